@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Fails when an include breaks the arrows of ARCHITECTURE.md, or a name and its string differ.
+"""Fails when an include breaks the arrows of ARCHITECTURE.md, a plugin or example uses mauve/detail/, or a name and its
+string differ.
 
 Usage: layers.py [ROOT]    prints one line for each violation: file:line: what, and what to do instead
 """
@@ -79,6 +80,9 @@ INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^">]+)[">]', re.MULTILIN
 # The answer is gone before the first row of it is looked at.
 ROWS_OF_NOTHING = re.compile(r"for \([^;()]* : [^;\n]*\bask\([^;\n]*\)\[")
 MEMBER = re.compile(r'\b(\w+?)_?\s*\{\s*\*this\s*,\s*"([^"]*)"')
+# Authors include mauve/ only; a name that they need and that lies deeper gets an address there.
+AUTHORS = ("plugins", "examples")
+DETAIL = re.compile(r"\bmauve::detail\b")
 SUFFIXES = (".h", ".cpp")
 
 
@@ -128,6 +132,8 @@ def stairs_problem(path, target):
 
 
 def include_problem(root, path, layer, name):
+    if layer in AUTHORS and name.startswith("mauve/detail/"):
+        return f"<{name}> is for the runtime; authors include mauve/*.h"
     target = resolve(root, path, name)
     if target is None:
         return room_problem(path, name)
@@ -149,6 +155,8 @@ def check_file(root, path):
         problem = include_problem(root, path, layer, match.group(1))
         if problem:
             yield text.count("\n", 0, match.start()) + 1, problem
+    for match in DETAIL.finditer(text) if layer in AUTHORS else ():
+        yield text.count("\n", 0, match.start()) + 1, "mauve::detail is for the runtime; authors use names of mauve"
     for match in ROWS_OF_NOTHING.finditer(text):
         yield text.count("\n", 0, match.start()) + 1, "give the answer a name before the loop: it lives no longer"
     for match in MEMBER.finditer(text):

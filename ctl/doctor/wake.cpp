@@ -7,7 +7,7 @@
 #include <limits>
 #include <memory>
 
-#include "mauve/detail/clock.h"
+#include "mauve/host/clock.h"
 #include "render/table.h"
 #include "render/words.h"
 #include "rt/thread/futex.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "supervisor.h"
 
-#include <mauve/detail/request.h>
+#include <mauve/request.h>
 
 namespace energy {
 

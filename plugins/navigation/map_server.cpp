@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include <mauve/detail/job.h>
+#include <mauve/job.h>
 
 #include "map_file.h"
 #include "parts.h"

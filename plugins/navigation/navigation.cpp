@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "navigation.h"
 
-#include <mauve/detail/job.h>
+#include <mauve/job.h>
 
 #include <algorithm>
 

@@ -9,7 +9,6 @@
 #include <string>
 #include <string_view>
 
-#include <mauve/detail/configurable.h>
 #include <mauve/property.h>
 
 namespace ros {

@@ -12,8 +12,7 @@
 #include <string>
 #include <utility>
 
-#include <mauve/detail/clock.h>
-#include <mauve/detail/job.h>
+#include <mauve/job.h>
 
 #include "conversions.h"
 #include "hub.h"
@@ -26,7 +25,7 @@ namespace ros_bridge {
 namespace {
 
 Clocks clocks_now() {
-  return {mauve::MonotonicClock{}.now(), static_cast<std::int64_t>(ros::Time::now().toNSec())};
+  return {mauve::job_time(), static_cast<std::int64_t>(ros::Time::now().toNSec())};
 }
 
 struct PublisherShell : mauve::Shell {

@@ -13,7 +13,7 @@
 #include <string>
 #include <utility>
 
-#include <mauve/detail/clock.h>
+#include <mauve/job.h>
 
 #include "conversions.h"
 #include "hub.h"
@@ -66,8 +66,7 @@ class InChannel final : public Channel {
   static constexpr std::uint32_t kQueue = 10;  // of roscpp; the newest are kept
 
   void accept(const Message& message) {
-    const Clocks now{mauve::MonotonicClock{}.now(),
-                     static_cast<std::int64_t>(ros::Time::now().toNSec())};
+    const Clocks now{mauve::job_time(), static_cast<std::int64_t>(ros::Time::now().toNSec())};
     const auto fill = [&](T& value) {
       if (!RosMessage<T>::from(message, value)) return false;
       if constexpr (requires { value.time; }) value.time = time_of(message, now);

@@ -5,7 +5,7 @@
 /// Example: mauvectl get supervisor.core.area
 #include <cstdint>
 
-#include <mauve/detail/job.h>
+#include <mauve/job.h>
 #include <mauve/plugin.h>
 
 #include "areas.h"

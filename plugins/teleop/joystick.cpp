@@ -12,7 +12,7 @@
 #include <span>
 #include <string>
 
-#include <mauve/detail/job.h>
+#include <mauve/job.h>
 #include <mauve/log.h>
 
 #include "../drivers/serial/line_thread.h"

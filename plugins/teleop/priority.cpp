@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include <mauve/detail/job.h>
+#include <mauve/job.h>
 
 #include "parts.h"
 #include "selection.h"

@@ -24,7 +24,7 @@
 #include "support/guarded.h"
 #include "support/memory_group.h"
 
-#include <mauve/detail/clock.h>
+#include <mauve/host/clock.h>
 
 namespace mauve::test {
 namespace {

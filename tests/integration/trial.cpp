@@ -2,7 +2,7 @@
 /// Plugin "trial" of the integration tests: one component and cores that behave well or badly.
 /// Built with NUMBER 1 and 2, so that a rebuilt file can be distinguished from the one before, and
 /// with 3, whose state is of a later revision.
-#include <mauve/detail/request.h>
+#include <mauve/request.h>
 
 #include <fcntl.h>
 #include <unistd.h>

@@ -11,8 +11,8 @@
 #include "rt/thread/thread.h"
 #include "support/eventually.h"
 
-#include <mauve/detail/clock.h>
 #include <mauve/detail/resource_lock.h>
+#include <mauve/host/clock.h>
 
 namespace mauve {
 namespace {

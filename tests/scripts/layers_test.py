@@ -54,6 +54,15 @@ class Layers(unittest.TestCase):
         self.refused({"libruntime/exec/task/task.h": "#pragma once\n",
                       "libruntime/exec/other.cpp": '#include "exec/task/task.h"\n'}, "is in no room of libruntime/exec")
 
+    def test_refuses_a_plugin_or_example_that_uses_a_header_of_the_runtime(self):
+        headers = {"libruntime/include/mauve/job.h": "", "libruntime/include/mauve/detail/job.h": ""}
+        for folder in ("plugins", "examples"):
+            self.accepted({**headers, f"{folder}/a/a.cpp": "#include <mauve/job.h>\n"})
+            self.refused({**headers, f"{folder}/a/a.cpp": "#include <mauve/detail/job.h>\n"},
+                         f"{folder}/a/a.cpp:1: <mauve/detail/job.h> is for the runtime; authors include mauve/*.h")
+            self.refused({f"{folder}/a/a.cpp": "int x = mauve::detail::kHashSeed;\n"}, "authors use names of mauve")
+        self.accepted({**headers, "daemon/a.cpp": "#include <mauve/detail/job.h>\n"})
+
     def test_refuses_a_public_header_with_a_private_include(self):
         self.refused({"libruntime/rt/clock.h": "", "libruntime/include/mauve/x.h": '#include "rt/clock.h"\n'},
                      "layer public may use")

@@ -17,7 +17,7 @@
 #include "support/process.h"
 #include "support/temp_dir.h"
 
-#include <mauve/detail/clock.h>
+#include <mauve/host/clock.h>
 
 namespace mauve::test {
 

@@ -11,7 +11,7 @@
 #include "commands/model.h"
 #include "mauve/detail/port_base.h"
 #include "mauve/host/architecture.h"
-#include "mauve/resource.h"
+#include "mauve/host/resource.h"
 #include "mauve/service.h"
 #include "model/component/wiring.h"
 #include "model/job/look_outside.h"

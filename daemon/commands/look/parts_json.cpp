@@ -5,7 +5,7 @@
 
 #include "arch/parse/built_in.h"
 #include "mauve/detail/port_base.h"
-#include "mauve/resource.h"
+#include "mauve/host/resource.h"
 #include "mauve/service.h"
 #include "model/component/wiring.h"
 

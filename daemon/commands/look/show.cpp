@@ -11,8 +11,8 @@
 #include "commands/model.h"
 #include "mauve/detail/port_base.h"
 #include "mauve/host/architecture.h"
+#include "mauve/host/resource.h"
 #include "mauve/observable.h"
-#include "mauve/resource.h"
 #include "mauve/service.h"
 
 namespace mauve::daemon {

@@ -7,9 +7,9 @@
 #include "arch/parse/built_in.h"
 #include "arch/text/value_json.h"
 #include "base/duration.h"
+#include "mauve/host/resource.h"
 #include "mauve/observable.h"
 #include "mauve/property.h"
-#include "mauve/resource.h"
 #include "mauve/service.h"
 #include "model/job/look_outside.h"
 

@@ -12,8 +12,8 @@
 #include "exec/system/prepared.h"
 #include "mauve/detail/port_base.h"
 #include "mauve/fsm.h"
+#include "mauve/host/resource.h"
 #include "mauve/property.h"
-#include "mauve/resource.h"
 
 namespace mauve::arch {
 namespace {

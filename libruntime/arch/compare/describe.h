@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "mauve/component.h"
+#include "mauve/host/component.h"
 #include "mauve/host/value.h"
 #include "rules/supervision.h"
 

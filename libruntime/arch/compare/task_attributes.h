@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "arch/parse/spec.h"
-#include "mauve/component.h"
+#include "mauve/host/component.h"
 
 namespace mauve::arch {
 

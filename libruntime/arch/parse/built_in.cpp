@@ -3,8 +3,8 @@
 
 #include <utility>
 
-#include "mauve/ring_buffer.h"
-#include "mauve/shared_data.h"
+#include "mauve/host/ring_buffer.h"
+#include "mauve/host/shared_data.h"
 #include "mauve/type.h"
 
 namespace mauve::arch {

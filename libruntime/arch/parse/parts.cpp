@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
-#include "mauve/component.h"
 #include "mauve/fsm.h"
+#include "mauve/host/component.h"
+#include "mauve/host/resource.h"
 #include "mauve/observable.h"
 #include "mauve/property.h"
-#include "mauve/resource.h"
 #include "mauve/shell.h"
 
 namespace mauve::arch {

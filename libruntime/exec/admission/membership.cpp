@@ -13,7 +13,7 @@
 #include "exec/system/trace_records.h"
 #include "model/job/keep_for_abandoned.h"
 
-#include <mauve/component.h>
+#include <mauve/host/component.h>
 
 namespace mauve::exec {
 namespace {

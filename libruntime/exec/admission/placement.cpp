@@ -6,9 +6,9 @@
 
 #include "rt/thread/thread.h"
 
-#include <mauve/component.h>
+#include <mauve/host/component.h>
+#include <mauve/host/shared_data.h>
 #include <mauve/service.h>
-#include <mauve/shared_data.h>
 
 namespace mauve::exec {
 namespace {

@@ -9,9 +9,9 @@
 
 #include "analysis/task_set.h"
 
-#include <mauve/component.h>
+#include <mauve/host/component.h>
+#include <mauve/host/resource.h>
 #include <mauve/host/timing.h>
-#include <mauve/resource.h>
 
 namespace mauve::exec {
 

@@ -12,8 +12,8 @@
 #include "rt/thread/deadline.h"
 
 #include <mauve/host/receipt.h>
+#include <mauve/host/resource.h>
 #include <mauve/observable.h>
-#include <mauve/resource.h>
 
 namespace mauve::exec {
 namespace {

@@ -18,7 +18,7 @@
 #include <mauve/detail/job.h>
 #include <mauve/host/architecture.h>
 #include <mauve/host/receipt.h>
-#include <mauve/resource.h>
+#include <mauve/host/resource.h>
 
 namespace mauve::exec {
 namespace {

@@ -11,7 +11,7 @@
 #include "rt/thread/deadline.h"
 
 #include <mauve/host/receipt.h>
-#include <mauve/resource.h>
+#include <mauve/host/resource.h>
 #include <mauve/service.h>
 
 namespace mauve::exec {

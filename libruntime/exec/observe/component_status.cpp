@@ -9,8 +9,8 @@
 
 #include "exec/recovery/standby.h"
 
-#include <mauve/component.h>
 #include <mauve/fsm.h>
+#include <mauve/host/component.h>
 
 namespace mauve::exec {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "rt/time/measured.h"
 
-#include <mauve/component.h>
 #include <mauve/fsm.h>
+#include <mauve/host/component.h>
 
 namespace mauve::exec {
 namespace {

@@ -8,10 +8,10 @@
 #include "exec/admission/admission.h"
 #include "exec/system/system.h"
 
-#include <mauve/component.h>
 #include <mauve/fsm.h>
 #include <mauve/host/architecture.h>
-#include <mauve/resource.h>
+#include <mauve/host/component.h>
+#include <mauve/host/resource.h>
 
 namespace mauve::exec {
 namespace {

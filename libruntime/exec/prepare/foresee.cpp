@@ -11,7 +11,7 @@
 #include "model/element/hand_over.h"
 
 #include <mauve/host/receipt.h>
-#include <mauve/resource.h>
+#include <mauve/host/resource.h>
 
 namespace mauve::exec {
 namespace {

@@ -21,7 +21,7 @@
 #include <mauve/detail/job.h>
 #include <mauve/detail/port_base.h>
 #include <mauve/host/architecture.h>
-#include <mauve/resource.h>
+#include <mauve/host/resource.h>
 #include <mauve/service.h>
 
 namespace mauve::exec {

@@ -7,7 +7,7 @@
 #include <mauve/detail/port_base.h>
 #include <mauve/fsm.h>
 #include <mauve/host/architecture.h>
-#include <mauve/resource.h>
+#include <mauve/host/resource.h>
 
 namespace mauve::exec {
 Status prepare_replacement(System& system, const NewResource& joining,

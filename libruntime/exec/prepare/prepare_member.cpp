@@ -14,7 +14,7 @@
 #include <mauve/detail/job.h>
 #include <mauve/detail/port_base.h>
 #include <mauve/fsm.h>
-#include <mauve/resource.h>
+#include <mauve/host/resource.h>
 #include <mauve/service.h>
 
 namespace mauve::exec {

@@ -9,7 +9,7 @@
 #include "model/port/connection.h"
 
 #include <mauve/detail/job.h>
-#include <mauve/resource.h>
+#include <mauve/host/resource.h>
 #include <mauve/service.h>
 
 namespace mauve::exec {

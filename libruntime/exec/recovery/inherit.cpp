@@ -13,7 +13,7 @@
 #include "exec/swap/rewired.h"
 
 #include <mauve/fsm.h>
-#include <mauve/resource.h>
+#include <mauve/host/resource.h>
 #include <mauve/service.h>
 
 namespace mauve::exec {

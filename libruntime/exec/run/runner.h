@@ -11,7 +11,7 @@
 #include "rt/machine/noise.h"
 #include "rt/thread/thread.h"
 
-#include <mauve/detail/clock.h>
+#include <mauve/host/clock.h>
 #include <mauve/host/machine.h>
 #include <mauve/result.h>
 

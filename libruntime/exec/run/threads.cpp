@@ -16,8 +16,8 @@
 #include "rt/thread/pi_mutex.h"
 #include "rt/thread/run_guarded.h"
 
-#include <mauve/component.h>
 #include <mauve/detail/job.h>
+#include <mauve/host/component.h>
 
 namespace mauve::exec {
 namespace {

@@ -11,11 +11,11 @@
 #include "exec/swap/rewired.h"
 #include "exec/system/system.h"
 
-#include <mauve/component.h>
 #include <mauve/detail/port_base.h>
 #include <mauve/fsm.h>
 #include <mauve/host/architecture.h>
-#include <mauve/resource.h>
+#include <mauve/host/component.h>
+#include <mauve/host/resource.h>
 #include <mauve/service.h>
 #include <mauve/shell.h>
 

@@ -5,9 +5,9 @@
 
 #include "exec/task/write_quietly.h"
 
-#include <mauve/detail/clock.h>
+#include <mauve/host/clock.h>
+#include <mauve/host/resource.h>
 #include <mauve/observable.h>
-#include <mauve/resource.h>
 
 namespace mauve::exec {
 namespace {

@@ -8,12 +8,12 @@
 
 #include "model/resource/resource_graph.h"
 
-#include <mauve/component.h>
 #include <mauve/detail/binding.h>
 #include <mauve/detail/port_base.h>
 #include <mauve/host/architecture.h>
+#include <mauve/host/component.h>
+#include <mauve/host/resource.h>
 #include <mauve/interface.h>
-#include <mauve/resource.h>
 #include <mauve/service.h>
 #include <mauve/shell.h>
 

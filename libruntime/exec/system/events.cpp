@@ -8,7 +8,7 @@
 #include "base/mutex.h"
 #include "exec/system/events.h"
 
-#include <mauve/component.h>
+#include <mauve/host/component.h>
 #include <mauve/host/value.h>
 
 namespace mauve::exec {

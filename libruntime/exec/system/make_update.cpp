@@ -8,10 +8,10 @@
 #include "exec/task/safe_values.h"
 #include "exec/update/prefetch_set.h"
 
-#include <mauve/component.h>
 #include <mauve/fsm.h>
+#include <mauve/host/component.h>
+#include <mauve/host/resource.h>
 #include <mauve/observable.h>
-#include <mauve/resource.h>
 #include <mauve/service.h>
 
 namespace mauve::exec {

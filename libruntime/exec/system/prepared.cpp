@@ -4,8 +4,8 @@
 #include <typeinfo>
 #include <utility>
 
-#include <mauve/component.h>
 #include <mauve/host/architecture.h>
+#include <mauve/host/component.h>
 
 namespace mauve::exec {
 

@@ -8,7 +8,7 @@
 #include "exec/system/system.h"
 
 #include <mauve/host/change.h>
-#include <mauve/resource.h>
+#include <mauve/host/resource.h>
 
 namespace mauve::exec {
 namespace {

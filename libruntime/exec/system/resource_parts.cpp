@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/system/resource_parts.h"
 
-#include <mauve/resource.h>
+#include <mauve/host/resource.h>
 #include <mauve/service.h>
 
 namespace mauve::exec {

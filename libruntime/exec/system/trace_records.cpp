@@ -15,7 +15,7 @@
 #include "exec/system/system.h"
 #include "rt/time/ticks.h"
 
-#include <mauve/component.h>
+#include <mauve/host/component.h>
 
 namespace mauve::exec {
 namespace {

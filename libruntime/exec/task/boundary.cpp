@@ -10,8 +10,8 @@
 #include "exec/update/task_update.h"
 #include "rt/process/cache.h"
 
-#include <mauve/component.h>
 #include <mauve/fsm.h>
+#include <mauve/host/component.h>
 #include <mauve/host/task_attributes.h>
 #include <mauve/observable.h>
 #include <mauve/shell.h>

@@ -9,9 +9,9 @@
 #include "exec/task/write_quietly.h"
 #include "exec/update/task_update.h"
 
-#include <mauve/component.h>
 #include <mauve/detail/job.h>
 #include <mauve/fsm.h>
+#include <mauve/host/component.h>
 #include <mauve/host/task_attributes.h>
 #include <mauve/shell.h>
 

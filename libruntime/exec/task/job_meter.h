@@ -12,7 +12,7 @@
 #include "rt/time/measured.h"
 #include "rt/time/ticks.h"
 
-#include <mauve/detail/clock.h>
+#include <mauve/host/clock.h>
 #include <mauve/time.h>
 
 namespace mauve {

@@ -13,12 +13,13 @@
 #include "model/job/traced.h"
 #include "rt/thread/preemption.h"
 
-#include <mauve/component.h>
 #include <mauve/detail/job.h>
-#include <mauve/detail/request.h>
 #include <mauve/detail/resource_lock.h>
 #include <mauve/fsm.h>
+#include <mauve/host/component.h>
 #include <mauve/host/task_attributes.h>
+#include <mauve/job.h>
+#include <mauve/request.h>
 
 namespace mauve::exec {
 namespace {

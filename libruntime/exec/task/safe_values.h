@@ -4,7 +4,7 @@
 
 #include "exec/task/write_quietly.h"
 
-#include <mauve/component.h>
+#include <mauve/host/component.h>
 #include <mauve/shell.h>
 
 namespace mauve::exec {

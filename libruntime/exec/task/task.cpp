@@ -11,7 +11,7 @@
 #include "exec/update/task_update.h"
 #include "rt/thread/preemption.h"
 
-#include <mauve/component.h>
+#include <mauve/host/component.h>
 #include <mauve/host/task_attributes.h>
 
 namespace mauve::exec {

@@ -12,8 +12,8 @@
 #include "exec/task/job_runner.h"
 #include "exec/task/task_context.h"
 
-#include <mauve/detail/clock.h>
 #include <mauve/detail/job.h>
+#include <mauve/host/clock.h>
 #include <mauve/time.h>
 
 namespace mauve {

@@ -7,8 +7,8 @@
 #include "exec/update/task_update.h"
 #include "rt/process/cache.h"
 
-#include <mauve/component.h>
 #include <mauve/fsm.h>
+#include <mauve/host/component.h>
 
 namespace mauve::exec {
 namespace {

@@ -14,7 +14,7 @@
 #include "exec/task/task_report.h"
 #include "rt/machine/noise.h"
 
-#include <mauve/detail/clock.h>
+#include <mauve/host/clock.h>
 #include <mauve/host/report.h>
 
 namespace mauve {

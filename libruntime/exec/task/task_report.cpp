@@ -5,7 +5,7 @@
 
 #include "rt/process/cache.h"
 
-#include <mauve/component.h>
+#include <mauve/host/component.h>
 
 namespace mauve::exec {
 

@@ -14,7 +14,7 @@
 #include "rt/ring/request_ring.h"
 #include "rt/ring/trace_ring.h"
 
-#include <mauve/detail/clock.h>
+#include <mauve/host/clock.h>
 #include <mauve/log.h>
 #include <mauve/trace.h>
 

@@ -11,7 +11,7 @@
 
 #include "exec/update/fault_record.h"
 
-#include <mauve/detail/clock.h>
+#include <mauve/host/clock.h>
 
 namespace mauve::exec {
 

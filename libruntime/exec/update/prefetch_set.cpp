@@ -5,7 +5,7 @@
 
 #include <mauve/detail/exchange.h>
 #include <mauve/detail/port_base.h>
-#include <mauve/resource.h>
+#include <mauve/host/resource.h>
 #include <mauve/service.h>
 #include <mauve/shell.h>
 

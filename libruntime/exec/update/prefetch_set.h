@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <mauve/component.h>
+#include <mauve/host/component.h>
 
 namespace mauve::exec {
 

@@ -12,6 +12,7 @@
 #include <mauve/detail/exchange.h>
 #include <mauve/detail/plausible.h>
 #include <mauve/detail/port_base.h>
+#include <mauve/job.h>
 #include <mauve/service.h>
 
 namespace mauve {

@@ -10,11 +10,11 @@
 #include <type_traits>
 
 #include <mauve/detail/data_status.h>
-#include <mauve/detail/job.h>
 #include <mauve/detail/method.h>
 #include <mauve/detail/resource_lock.h>
 #include <mauve/detail/signature.h>
 #include <mauve/detail/visitor.h>
+#include <mauve/job.h>
 
 namespace mauve {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include <mauve/component.h>
 #include <mauve/fsm.h>
+#include <mauve/host/component.h>
 #include <mauve/service.h>
 
 #include "model/element/elements.h"

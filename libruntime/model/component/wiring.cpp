@@ -5,8 +5,8 @@
 #include <optional>
 
 #include <mauve/host/architecture.h>
+#include <mauve/host/ring_buffer.h>
 #include <mauve/port.h>
-#include <mauve/ring_buffer.h>
 
 namespace mauve {
 namespace {

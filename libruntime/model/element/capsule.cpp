@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <mauve/detail/capsule.h>
 
-#include <mauve/detail/converts.h>
+#include <mauve/converts.h>
 
 namespace mauve {
 

@@ -7,8 +7,8 @@
 #include "model/job/guard.h"
 #include "rt/process/cache.h"
 
-#include <mauve/detail/converts.h>
-#include <mauve/resource.h>
+#include <mauve/converts.h>
+#include <mauve/host/resource.h>
 
 namespace mauve {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "model/element/with_library.h"
 
+#include <mauve/converts.h>
 #include <mauve/core.h>
-#include <mauve/detail/converts.h>
 
 namespace mauve {
 

@@ -5,7 +5,7 @@
 
 #include "model/job/guard.h"
 
-#include <mauve/resource.h>
+#include <mauve/host/resource.h>
 #include <mauve/state.h>
 
 namespace mauve {

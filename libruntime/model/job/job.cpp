@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <mauve/detail/job.h>
 
-#include <mauve/detail/clock.h>
+#include <mauve/host/clock.h>
 
 namespace mauve {
 

@@ -5,7 +5,7 @@
 #include "rt/thread/deadline.h"
 
 #include <mauve/detail/resource_lock.h>
-#include <mauve/resource.h>
+#include <mauve/host/resource.h>
 #include <mauve/service.h>
 
 namespace mauve {

@@ -9,7 +9,8 @@
 #include <mauve/detail/exchange.h>
 #include <mauve/detail/job.h>
 #include <mauve/detail/resource_lock.h>
-#include <mauve/resource.h>
+#include <mauve/host/resource.h>
+#include <mauve/job.h>
 #include <mauve/service.h>
 
 namespace mauve {

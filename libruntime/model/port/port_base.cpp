@@ -6,7 +6,8 @@
 #include "model/element/find_named.h"
 #include "model/port/connection.h"
 
-#include <mauve/resource.h>
+#include <mauve/host/resource.h>
+#include <mauve/job.h>
 #include <mauve/service.h>
 #include <mauve/shell.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <mauve/service.h>
 
+#include <mauve/host/resource.h>
 #include <mauve/interface.h>
-#include <mauve/resource.h>
 
 namespace mauve {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include <mauve/resource.h>
+#include <mauve/host/resource.h>
 #include <mauve/service.h>
 #include <mauve/trace.h>
 

@@ -11,8 +11,8 @@
 #include "rt/thread/pi_mutex.h"
 #include "rt/thread/preemption.h"
 
-#include <mauve/detail/clock.h>
 #include <mauve/detail/job.h>
+#include <mauve/host/clock.h>
 
 namespace mauve {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include <mauve/ring_buffer.h>
+#include <mauve/host/ring_buffer.h>
 
 #include <cstring>
 
@@ -7,6 +7,7 @@
 
 #include <mauve/core.h>
 #include <mauve/detail/tap.h>
+#include <mauve/job.h>
 #include <mauve/observable.h>
 #include <mauve/property.h>
 #include <mauve/service.h>

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include <mauve/shared_data.h>
+#include <mauve/host/shared_data.h>
 
 #include <cstring>
 
 #include <mauve/core.h>
 #include <mauve/detail/exchange.h>
+#include <mauve/job.h>
 #include <mauve/service.h>
 #include <mauve/state.h>
 

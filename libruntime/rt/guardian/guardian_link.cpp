@@ -16,7 +16,7 @@
 #include <system_error>
 #include <utility>
 
-#include <mauve/detail/clock.h>
+#include <mauve/host/clock.h>
 
 #include "base/mutex.h"
 #include "rt/process/spawn.h"

@@ -13,7 +13,7 @@
 #include "rt/thread/futex.h"
 #include "rt/thread/thread.h"
 
-#include <mauve/detail/clock.h>
+#include <mauve/host/clock.h>
 
 namespace mauve::rt {
 namespace {

@@ -14,7 +14,7 @@
 #include "rt/process/cache.h"
 #include "rt/time/ticks.h"
 
-#include <mauve/detail/clock.h>
+#include <mauve/host/clock.h>
 #include <mauve/trace.h>
 
 namespace mauve::rt {

@@ -3,7 +3,7 @@
 
 #include <time.h>
 
-#include <mauve/detail/clock.h>
+#include <mauve/host/clock.h>
 
 namespace mauve::rt {
 

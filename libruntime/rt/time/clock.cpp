@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include <mauve/detail/clock.h>
+#include <mauve/host/clock.h>
 
 #include <time.h>
 

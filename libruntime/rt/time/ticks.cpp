@@ -8,7 +8,7 @@
 #include <fstream>
 #include <string>
 
-#include <mauve/detail/clock.h>
+#include <mauve/host/clock.h>
 
 #include "base/mutex.h"
 

@@ -19,7 +19,7 @@
 #include <cstdint>
 #include <string>
 
-#include <mauve/detail/job.h>
+#include <mauve/job.h>
 
 #include "../parts.h"
 #include "../serial/device_line.h"

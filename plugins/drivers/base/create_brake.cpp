@@ -14,7 +14,7 @@
 #include <string>
 #include <string_view>
 
-#include <mauve/detail/job.h>
+#include <mauve/job.h>
 
 #include "../../types/velocity.h"
 #include "../parts.h"
@@ -33,7 +33,7 @@ class CreateBrake final : public mauve::Core<mauve::EmptyShell> {
   void stop(const rover::Velocity&) {
     const auto text = create::drive_text(0, 0);
     const std::string_view bytes(text.data(), text.size());
-    const bool component = mauve::this_job().running;
+    const bool component = mauve::in_job();
     ++stops;
     thread_.overrule(bytes);  // the last command of the driver may be under way
     if (!(component ? thread_.send(bytes) : write_now(bytes))) count_failed();

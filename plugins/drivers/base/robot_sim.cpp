@@ -2,7 +2,7 @@
 /// Component kind "drivers/robot_sim": the robot driver on the simulated world, with the ports a
 /// real one has: a velocity in, odometry, pose and twist out. It stands when no command comes, or
 /// only an old one. Times of `twist` are on the monotonic clock.
-#include <mauve/detail/job.h>
+#include <mauve/job.h>
 
 #include "../../types/motion.h"
 #include "../../types/pose.h"

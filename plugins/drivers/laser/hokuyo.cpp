@@ -18,7 +18,7 @@
 #include <string>
 #include <string_view>
 
-#include <mauve/detail/job.h>
+#include <mauve/job.h>
 
 #include "../parts.h"
 #include "../serial/device_line.h"

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <utility>
 
-#include <mauve/detail/job.h>
+#include <mauve/job.h>
 
 #include "../parts.h"
 #include "../serial/simulated_line.h"

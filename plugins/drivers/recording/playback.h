@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include <mauve/detail/job.h>
+#include <mauve/job.h>
 #include <mauve/plugin.h>
 
 #include "../../navigation/regular_file.h"

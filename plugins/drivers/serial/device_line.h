@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include <mauve/detail/job.h>
+#include <mauve/job.h>
 #include <mauve/observable.h>
 
 #include "../../types/reporting.h"

@@ -14,9 +14,9 @@
 #include "bench/support/raw.h"
 
 #include <mauve/detail/class_name.h>
-#include <mauve/detail/request.h>
 #include <mauve/host/architecture.h>
 #include <mauve/host/deployer.h>
+#include <mauve/request.h>
 
 namespace bench::paper {
 namespace {

@@ -3,7 +3,7 @@
 /// to back, in time, and without the sleep between them.
 #pragma once
 
-#include <mauve/detail/clock.h>
+#include <mauve/host/clock.h>
 
 namespace bench {
 

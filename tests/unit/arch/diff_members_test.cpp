@@ -9,7 +9,7 @@
 #include "arch/compare/describe.h"
 #include "arch/compare/diff.h"
 #include "arch/text/value_json.h"
-#include "mauve/resource.h"
+#include "mauve/host/resource.h"
 #include "unit/arch/diff_fixture.h"
 
 namespace mauve::arch {

@@ -12,7 +12,7 @@
 #include "support/outcomes.h"
 #include "support/ramp.h"
 
-#include <mauve/ring_buffer.h>
+#include <mauve/host/ring_buffer.h>
 
 namespace mauve {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "exec/task/task.h"
 
-#include <mauve/component.h>
+#include <mauve/host/component.h>
 #include <mauve/plugin.h>
 
 namespace mauve::exec {

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include <mauve/detail/request.h>
 #include <mauve/host/architecture.h>
 #include <mauve/host/deployer.h>
 #include <mauve/plugin.h>
+#include <mauve/request.h>
 
 namespace mauve {
 namespace {

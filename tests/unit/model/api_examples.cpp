@@ -10,8 +10,8 @@
 #include <mauve/element.h>
 #include <mauve/guarded.h>
 #include <mauve/host/architecture.h>
-#include <mauve/ring_buffer.h>
-#include <mauve/shared_data.h>
+#include <mauve/host/ring_buffer.h>
+#include <mauve/host/shared_data.h>
 #include <mauve/test_kit.h>
 
 namespace mauve::examples {

@@ -12,7 +12,7 @@
 
 #include <mauve/host/architecture.h>
 #include <mauve/host/deployer.h>
-#include <mauve/shared_data.h>
+#include <mauve/host/shared_data.h>
 
 namespace localization {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "support/eventually.h"
 
-#include <mauve/detail/clock.h>
+#include <mauve/host/clock.h>
 
 namespace mauve::rt {
 namespace {

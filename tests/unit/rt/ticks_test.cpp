@@ -6,7 +6,7 @@
 #include <atomic>
 #include <thread>
 
-#include <mauve/detail/clock.h>
+#include <mauve/host/clock.h>
 
 namespace mauve::rt {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The job that the calling thread is running: clock reading, lock bound, held resources.
-/// For ports and services; user code normally needs only now().
+/// For the runtime; components use mauve/job.h.
 #pragma once
 
 #include <array>
@@ -60,12 +60,6 @@ namespace detail {
 
 /// The calling thread's job. [any]
 [[nodiscard]] inline Job& this_job() { return detail::job; }
-
-/// Time for stamps: the start of the running job, or the clock outside one. [any]
-[[nodiscard]] inline Instant job_time() {
-  const Instant start = this_job().start;
-  return start != 0 ? start : detail::time_outside_jobs();
-}
 
 /// An error when the calling thread runs a job: `what` takes locks, time and memory. [any]
 [[nodiscard]] Status refuse_in_job(const std::string& at, const char* what);

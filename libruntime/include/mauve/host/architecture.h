@@ -18,11 +18,11 @@
 #include <string_view>
 #include <vector>
 
-#include <mauve/component.h>
 #include <mauve/element.h>
-#include <mauve/resource.h>
-#include <mauve/ring_buffer.h>
-#include <mauve/shared_data.h>
+#include <mauve/host/component.h>
+#include <mauve/host/resource.h>
+#include <mauve/host/ring_buffer.h>
+#include <mauve/host/shared_data.h>
 
 namespace mauve {
 

@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include <mauve/component.h>
 #include <mauve/detail/element_type.h>
 #include <mauve/host/change_policy.h>
+#include <mauve/host/component.h>
 #include <mauve/host/probation.h>
 #include <mauve/host/value.h>
 #include <mauve/result.h>

@@ -17,8 +17,8 @@
 #include <vector>
 
 #include <mauve/detail/class_name.h>
-#include <mauve/detail/clock.h>
 #include <mauve/host/change.h>
+#include <mauve/host/clock.h>
 #include <mauve/host/deploy_options.h>
 #include <mauve/host/ongoing.h>
 #include <mauve/host/prepared_change.h>

@@ -12,22 +12,23 @@ namespace mauve {
 class Clock {
  public:
   virtual ~Clock() = default;
-  [[nodiscard]] virtual Instant now() const = 0;
+  [[nodiscard]] virtual Instant now() const = 0;  ///< never goes backwards
 };
 
 /// CLOCK_MONOTONIC.
 class MonotonicClock final : public Clock {
  public:
-  [[nodiscard]] Instant now() const override;
+  [[nodiscard]] Instant now() const override;  ///< see Clock
 };
 
 /// Stands still until it is moved. For tests and simulated runs.
 class ManualClock final : public Clock {
  public:
-  explicit ManualClock(Instant start = 0) : now_(start) {}
+  explicit ManualClock(Instant start = 0) : now_(start) {}  ///< stands at `start`
+  /// See Clock.
   [[nodiscard]] Instant now() const override { return now_.load(std::memory_order_relaxed); }
-  void set(Instant now) { now_.store(now, std::memory_order_relaxed); }
-  void advance(Duration by) { set(now() + by.count()); }
+  void set(Instant now) { now_.store(now, std::memory_order_relaxed); }  ///< moves it there
+  void advance(Duration by) { set(now() + by.count()); }                 ///< moves it on
 
  private:
   std::atomic<Instant> now_;

@@ -7,7 +7,7 @@
 #include <string>
 #include <type_traits>
 
-#include <mauve/resource.h>
+#include <mauve/host/resource.h>
 
 namespace mauve {
 

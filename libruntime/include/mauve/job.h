@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The running job, as the code of a component or resource sees it: its time, and whether there is
+/// one.
+#pragma once
+
+#include <mauve/detail/job.h>
+#include <mauve/time.h>
+
+namespace mauve {
+
+/// Time for stamps: the start of the running job, or the clock outside one. All calls in one job
+/// return the same time. [any]
+[[nodiscard]] inline Instant job_time() {
+  const Instant start = this_job().start;
+  return start != 0 ? start : detail::time_outside_jobs();
+}
+
+/// True while the calling thread runs a job of a component, also in the resources that the job
+/// uses; false in hooks and on threads of a driver. [any]
+[[nodiscard]] inline bool in_job() { return this_job().running; }
+
+}  // namespace mauve
