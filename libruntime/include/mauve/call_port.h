@@ -6,6 +6,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include <mauve/detail/declared.h>
 #include <mauve/detail/port_base.h>
 #include <mauve/service.h>
 
@@ -13,7 +14,15 @@ namespace mauve {
 
 /// Of a signature `R(P...)`, see its specialization.
 template <typename Signature>
-class CallPort;
+class CallPort {
+  static_assert(detail::kNever<Signature>,
+                "mauve: a call port has a signature such as `CallPort<double(int)>`");
+
+ public:
+  /// Any arguments: the sentence above is enough.
+  template <typename... A>
+  explicit CallPort(A&&...) {}
+};
 
 /// Calls a connected service: `std::optional<MotionState> s = shell().predict_at(0.1);`, empty
 /// when nothing answers. For R = void it returns whether it was called. The method runs on the
@@ -25,6 +34,15 @@ class CallPort<R(P...)> final : public PortBase {
   /// Registers itself with the shell.
   CallPort(Shell& shell, std::string_view name, Need need = Need::usual)
       : PortBase(shell, name, mauve::Signature::call<R, P...>(), need) {}
+  /// Refuses to compile, with one sentence.
+  template <typename... Wrong>
+  requires(!detail::kDeclares<2, detail::Types<Shell&, std::string_view, Need>,
+                              Wrong...>) explicit CallPort(Wrong&&...)
+      : CallPort(detail::none<Shell&>(), {}) {
+    static_assert(detail::kNever<Wrong...>,
+                  "mauve: a call port is a member of a shell, declared as `CallPort<R(P...)> "
+                  "NAME{*this, \"NAME\"};`");
+  }
 
   /// Calls on this thread, under the resource lock. Empty or false: not connected, no lock in time,
   /// or a poisoned resource. [rt]
@@ -56,6 +74,15 @@ class EventPort final : public PortBase {
   /// Registers itself with the shell.
   EventPort(Shell& shell, std::string_view name, Need need = Need::usual)
       : PortBase(shell, name, Signature::event<P...>(), need) {}
+  /// Refuses to compile, with one sentence.
+  template <typename... Wrong>
+  requires(!detail::kDeclares<2, detail::Types<Shell&, std::string_view, Need>,
+                              Wrong...>) explicit EventPort(Wrong&&...)
+      : EventPort(detail::none<Shell&>(), {}) {
+    static_assert(detail::kNever<Wrong...>,
+                  "mauve: an event port is a member of a shell, declared as `EventPort<P...> "
+                  "NAME{*this, \"NAME\"};`");
+  }
 
   /// False: nothing was triggered, for the same reasons as a call. [rt]
   bool operator()(std::remove_cvref_t<P>... arguments) {

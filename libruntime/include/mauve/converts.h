@@ -53,13 +53,25 @@ class Converts final : public ConvertsBase {
   Converts(State<Now>& into, void (*convert)(const Old& old, Now& now) noexcept)
       : ConvertsBase(into, data_type<Old>()), convert_(convert) {
     static_assert(sizeof(Old) <= kMaxConverted && sizeof(Now) <= kMaxConverted,
-                  "too large to be converted at a boundary: put the bulk into a SlowState");
+                  "mauve: too large to be converted at a boundary: put the bulk into a SlowState");
     static_assert(std::is_trivially_copyable_v<Old> && std::is_trivially_copyable_v<Now>,
-                  "converted at a boundary, where nothing may allocate: plain bytes only");
+                  "mauve: converted at a boundary, where nothing may allocate: plain bytes only");
   }
   /// The converter of a slow state runs beside the system. [factory], may take its time and throw.
   Converts(SlowState<Now>& into, void (*convert)(const Old& old, Now& now))
       : ConvertsBase(into, data_type<Old>()), convert_(convert) {}
+  /// Refuses to compile, with one sentence.
+  template <typename... Wrong>
+  requires(!detail::kDeclares<2, detail::Types<State<Now>&, void (*)(const Old&, Now&) noexcept>,
+                              Wrong...> &&
+           !detail::kDeclares<2, detail::Types<SlowState<Now>&, void (*)(const Old&, Now&)>,
+                              Wrong...>) explicit Converts(Wrong&&...)
+      : Converts(detail::none<SlowState<Now>&>(), nullptr) {
+    static_assert(
+        detail::kNever<Wrong...>,
+        "mauve: a converter is declared after its state as `Converts<Old, Now> NAME{STATE, "
+        "[](const Old& old, Now& now) noexcept { ... }};` and captures nothing");
+  }
 
   void run(const void* old, void* now) const override {
     convert_(*static_cast<const Old*>(old), *static_cast<Now*>(now));

@@ -8,6 +8,7 @@
 
 #include <mauve/core.h>
 #include <mauve/detail/configurable.h>
+#include <mauve/detail/declared.h>
 #include <mauve/detail/method.h>
 #include <mauve/property.h>
 #include <mauve/time.h>
@@ -110,42 +111,26 @@ class FsmBase : public Configurable {
 
 namespace detail {
 
-// The forms of the arguments that declare a state: a wrong declaration is one sentence of the
-// compiler.
+// The forms of a guard, so that a wrong one is one sentence of the compiler.
 template <typename CoreT, typename Guard, typename Target>
 inline constexpr bool kIsGuard = std::is_convertible_v<Target&, FsmState&> &&
                                  (std::is_convertible_v<Guard, bool (CoreT::*)()> ||
                                   std::is_convertible_v<Guard, bool (CoreT::*)() const>);
 
-template <typename CoreT, typename... A>
-inline constexpr bool kMakesExec = false;
-template <typename CoreT, typename F, typename N, typename M>
-inline constexpr bool kMakesExec<CoreT, F, N, M> = std::is_convertible_v<F, FsmBase&>&&
-    std::is_convertible_v<N, std::string_view>&& std::is_convertible_v<M, void (CoreT::*)()>;
-
-template <typename... A>
-inline constexpr bool kMakesSync = false;
-template <typename F, typename N, typename D>
-inline constexpr bool kMakesSync<F, N, D> = std::is_convertible_v<F, FsmBase&>&&
-    std::is_convertible_v<N, std::string_view>&& std::is_convertible_v<D, Duration>;
-template <typename F, typename N, typename D, typename Text>
-inline constexpr bool kMakesSync<F, N, D, Text> =
-    kMakesSync<F, N, D>&& std::is_convertible_v<Text, std::string_view>;
-
-template <typename... A>
-struct WrongExec {
-  static_assert(sizeof...(A) == ~0U,
-                "mauve: an execution state is declared as `Exec NAME{*this, \"NAME\", "
-                "&Contract::method};` with a method `void method()` of the contract class");
-  static FsmBase& fsm();
-};
-template <typename... A>
-struct WrongSync {
-  static_assert(sizeof...(A) == ~0U,
-                "mauve: a synchronization state is declared as `Sync NAME{*this, \"NAME\", "
-                "100ms};` with a duration that has a unit");
-  static FsmBase& fsm();
-};
+/// CoreT::update(), which PeriodicFsm runs.
+template <typename CoreT>
+constexpr auto update_of() {
+  using Update = void (CoreT::*)();
+  constexpr bool kThere = requires { static_cast<Update>(&CoreT::update); };
+  static_assert(kThere,
+                "mauve: PeriodicFsm runs the public method `void update()` of the core, "
+                "which has none");
+  if constexpr (kThere) {
+    return static_cast<Update>(&CoreT::update);
+  } else {
+    return Update{};
+  }
+}
 
 }  // namespace detail
 
@@ -182,7 +167,7 @@ class Fsm : public FsmBase {
     /// Refuses to compile, with one sentence.
     template <typename Guard, typename Target>
     requires(!detail::kIsGuard<CoreT, Guard, Target>) Derived& when(Guard, Target&) {
-      static_assert(sizeof(Guard) == 0,
+      static_assert(detail::kNever<Guard>,
                     "mauve: when() takes a method `bool f()` of the contract class and a state: "
                     "when(&Contract::f, state)");
       return static_cast<Derived&>(*this);
@@ -197,8 +182,13 @@ class Fsm : public FsmBase {
         : Guarded<Exec>(fsm, name, FsmState::Kind::execution), method_(method) {}
     /// Refuses to compile, with one sentence.
     template <typename... Wrong>
-    requires(!detail::kMakesExec<CoreT, Wrong...>) explicit Exec(Wrong&&...)
-        : Exec(detail::WrongExec<Wrong...>::fsm(), {}, nullptr) {}
+    requires(!detail::kDeclares<3, detail::Types<FsmBase&, std::string_view, void (CoreT::*)()>,
+                                Wrong...>) explicit Exec(Wrong&&...)
+        : Exec(detail::none<FsmBase&>(), {}, nullptr) {
+      static_assert(detail::kNever<Wrong...>,
+                    "mauve: an execution state is declared as `Exec NAME{*this, \"NAME\", "
+                    "&Contract::method};` with a method `void method()` of the contract class");
+    }
     void run(CoreBase& core) override { method_(core); }
 
    private:
@@ -215,8 +205,14 @@ class Fsm : public FsmBase {
                     {.min = Duration{std::chrono::microseconds(10)}, .max = {}}) {}
     /// Refuses to compile, with one sentence.
     template <typename... Wrong>
-    requires(!detail::kMakesSync<Wrong...>) explicit Sync(Wrong&&...)
-        : Sync(detail::WrongSync<Wrong...>::fsm(), {}, Duration{0}) {}
+    requires(
+        !detail::kDeclares<3, detail::Types<FsmBase&, std::string_view, Duration, std::string_view>,
+                           Wrong...>) explicit Sync(Wrong&&...)
+        : Sync(detail::none<FsmBase&>(), {}, Duration{0}) {
+      static_assert(detail::kNever<Wrong...>,
+                    "mauve: a synchronization state is declared as `Sync NAME{*this, \"NAME\", "
+                    "100ms};` with a duration that has a unit");
+    }
     [[nodiscard]] Duration duration() const override { return duration_.get(); }
     /// In code: `fsm().pace = 10ms`.
     Sync& operator=(Duration duration) {
@@ -234,7 +230,8 @@ class Fsm : public FsmBase {
 template <typename CoreT>
 class PeriodicFsm final : public Fsm<CoreT> {
  public:
-  typename Fsm<CoreT>::Exec update{*this, "update", &CoreT::update};  ///< runs CoreT::update()
+  typename Fsm<CoreT>::Exec update{*this, "update",
+                                   detail::update_of<CoreT>()};  ///< runs CoreT::update()
   /// 10 ms unless the file says so
   typename Fsm<CoreT>::Sync period{*this, "period", 10ms, "time between two updates"};
 

@@ -9,6 +9,7 @@
 #include <type_traits>
 
 #include <mauve/detail/configurable.h>
+#include <mauve/detail/declared.h>
 #include <mauve/type.h>
 
 namespace mauve {
@@ -51,7 +52,7 @@ class ObservableBase {
 /// @snippet api_examples.cpp Observable
 template <typename T>
 class Observable final : public ObservableBase {
-  static_assert(std::is_arithmetic_v<T>, "an observable is a number or a boolean");
+  static_assert(std::is_arithmetic_v<T>, "mauve: an observable is a number or a boolean");
 
  public:
   /// `text` says for people what it is, `unit` in which unit; both are literals.
@@ -59,6 +60,17 @@ class Observable final : public ObservableBase {
              std::string_view unit = {})
       : ObservableBase(owner, name, text, unit, data_type<T>()) {
     *this = value;
+  }
+  /// Refuses to compile, with one sentence.
+  template <typename... Wrong>
+  requires(!detail::kDeclares<
+           2, detail::Types<Configurable&, std::string_view, T, std::string_view, std::string_view>,
+           Wrong...>) explicit Observable(Wrong&&...)
+      : Observable(detail::none<Configurable&>(), {}) {
+    static_assert(
+        detail::kNever<Wrong...>,
+        "mauve: an observable is declared as `Observable<T> NAME{*this, \"NAME\"};`, then "
+        "a value of its type, a text and a unit");
   }
 
   [[nodiscard]] T get() const { return unpack(bits_.load(std::memory_order_relaxed)); }  ///< [any]

@@ -47,43 +47,47 @@ class Plugin {
   /// A core; its contract is `T::Contract`, or T itself.
   template <typename T>
   void core(std::string_view name) {
-    cores.push_back(CoreType::of<T>(qualified(name)));
+    if constexpr (detail::check_core<T>()) cores.push_back(CoreType::of<T>(qualified(name)));
   }
   /// A state machine.
   template <typename T>
   void fsm(std::string_view name) {
-    fsms.push_back(FsmType::of<T>(qualified(name)));
+    if constexpr (detail::check_fsm<T>()) fsms.push_back(FsmType::of<T>(qualified(name)));
   }
   /// A kind of component whose core is named in the file, or is `default_core` (a core of this
   /// plugin, or "other/core").
   template <typename ShellT, typename FsmT>
   void component(std::string_view name, std::string_view default_core = {}) {
-    detail::check_parts<ShellT, FsmT>();
-    components.push_back({qualified(name), ShellType::of<ShellT>(),
-                          FsmType::of<FsmT>(qualified(name)),
-                          default_core.empty() ? std::string() : qualified(default_core)});
+    if constexpr (detail::check_parts<ShellT, FsmT>()) {
+      components.push_back({qualified(name), ShellType::of<ShellT>(),
+                            FsmType::of<FsmT>(qualified(name)),
+                            default_core.empty() ? std::string() : qualified(default_core)});
+    }
   }
   /// A kind of component with one core, registered under the same name.
   template <typename ShellT, typename CoreT, typename FsmT>
   void component(std::string_view name) {
-    detail::check_parts<ShellT, CoreT, FsmT>();
-    core<CoreT>(name);
-    component<ShellT, FsmT>(name, name);
+    if constexpr (detail::check_parts<ShellT, CoreT, FsmT>()) {
+      core<CoreT>(name);
+      component<ShellT, FsmT>(name, name);
+    }
   }
   /// A kind of resource.
   template <typename ShellT, typename CoreT, typename InterfaceT>
   void resource(std::string_view name) {
-    detail::check_resource<ShellT, CoreT, InterfaceT>();
-    resources.push_back({qualified(name), ShellType::of<ShellT>(),
-                         CoreType::of<CoreT>(qualified(name)),
-                         detail::make<InterfaceBase, InterfaceT>});
+    if constexpr (detail::check_resource<ShellT, CoreT, InterfaceT>()) {
+      resources.push_back({qualified(name), ShellType::of<ShellT>(),
+                           CoreType::of<CoreT>(qualified(name)),
+                           detail::make<InterfaceBase, InterfaceT>});
+    }
   }
   /// A described data type.
   template <typename T>
   void type() {
     static_assert(detail::HasFields<T>,
-                  "mauve: a type of a plugin is described: specialise mauve::Described<T>");
-    types.push_back(&data_type<T>());
+                  "mauve: a type of a plugin is described: specialise mauve::Described<T> with a "
+                  "name and fields()");
+    if constexpr (detail::HasFields<T>) types.push_back(&data_type<T>());
   }
 
   std::vector<CoreType> cores;            ///< as they were registered

@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <utility>
 
+#include <mauve/detail/declared.h>
 #include <mauve/detail/exchange.h>
 #include <mauve/detail/plausible.h>
 #include <mauve/detail/port_base.h>
@@ -35,10 +36,22 @@ class ReadPort final : public PortBase {
   /// The same with T{} as fallback.
   ReadPort(Shell& shell, std::string_view name, Need need, Writers writers = Writers::many)
       : ReadPort(shell, name, T{}, need, writers) {}
+  /// Refuses to compile, with one sentence.
+  template <typename... Wrong>
+  requires(
+      !detail::kDeclares<2, detail::Types<Shell&, std::string_view, T, Need, Writers>, Wrong...> &&
+      !detail::kDeclares<3, detail::Types<Shell&, std::string_view, Need, Writers>,
+                         Wrong...>) explicit ReadPort(Wrong&&...)
+      : ReadPort(detail::none<Shell&>(), {}, detail::none<T>()) {
+    static_assert(detail::kNever<Wrong...>,
+                  "mauve: a read port is a member of a shell, declared as "
+                  "`ReadPort<T> NAME{*this, \"NAME\"};` or with a fallback of its type, "
+                  "`ReadPort<T> NAME{*this, \"NAME\", T{...}};`");
+  }
 
   /// The value, or the fallback; status() tells which. [rt], wait-free on a SharedData.
   [[nodiscard]] T read() {
-    static_assert(sizeof(T) <= kMaxByValue, "over 4 kB: use read(into) or look()");
+    static_assert(sizeof(T) <= kMaxByValue, "mauve: over 4 kB: use read(into) or look()");
     T value = default_;
     static_cast<void>(read(value));
     return value;
@@ -147,6 +160,19 @@ class WritePort final : public PortBase {
         safe_(std::move(safe.value)),
         plausible_(std::move(plausible)) {
     always_call();
+  }
+  /// Refuses to compile, with one sentence.
+  template <typename... Wrong>
+  requires(
+      !detail::kDeclares<2, detail::Types<Shell&, std::string_view, Need>, Wrong...> &&
+      !detail::kDeclares<3, detail::Types<Shell&, std::string_view, Safe<T>, Need>, Wrong...> &&
+      !detail::kDeclares<4, detail::Types<Shell&, std::string_view, Safe<T>, Plausible<T>, Need>,
+                         Wrong...>) explicit WritePort(Wrong&&...)
+      : WritePort(detail::none<Shell&>(), {}) {
+    static_assert(detail::kNever<Wrong...>,
+                  "mauve: a write port is a member of a shell, declared as "
+                  "`WritePort<T> NAME{*this, \"NAME\"};` or with a safe value of its type, "
+                  "`WritePort<T> NAME{*this, \"NAME\", mauve::Safe{T{...}}};`");
   }
 
   /// False: nobody got the value.

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include <mauve/detail/configurable.h>
+#include <mauve/detail/declared.h>
 #include <mauve/type.h>
 
 namespace mauve {
@@ -70,31 +71,16 @@ class PropertyBase {
   const DataType* type_;
 };
 
-namespace detail {
-
-template <typename T, typename... A>
-inline constexpr bool kMakesProperty = false;
-template <typename T, typename O, typename N, typename V, typename... Rest>
-inline constexpr bool kMakesProperty<T, O, N, V, Rest...> =
-    std::is_convertible_v<O, Configurable&>&& std::is_convertible_v<N, std::string_view>&&
-        std::is_convertible_v<V, T>;
-
-template <typename... A>
-struct WrongProperty {
-  static_assert(sizeof...(A) == ~0U,
-                "mauve: a property is declared as `Property<T> NAME{*this, \"NAME\", DEFAULT, "
-                "\"text\"};` with a default of its type");
-  static Configurable& owner();
-};
-
-}  // namespace detail
-
 /// A value that the architecture file and `mauvectl set` give. Declared as a member. It changes
 /// only while its element is not configured: a change of a running component makes a new element
 /// beside it. Reading is [any]; real-time code reads it as a plain value.
 /// @snippet api_examples.cpp Property
 template <typename T>
 class Property final : public PropertyBase {
+  static_assert(detail::HasCodec<T>,
+                "mauve: the type of a property is a bool, a number, std::string, mauve::Duration, "
+                "mauve::Text, an array of these, or a struct with a mauve::Described");
+
  public:
   /// `text` says for people what it is; texts are literals.
   Property(Configurable& owner, std::string_view name, T value, std::string_view text = {},
@@ -105,8 +91,14 @@ class Property final : public PropertyBase {
         limits_(std::move(limits)) {}
   /// Refuses to compile, with one sentence.
   template <typename... Wrong>
-  requires(!detail::kMakesProperty<T, Wrong...>) explicit Property(Wrong&&...)
-      : Property(detail::WrongProperty<Wrong...>::owner(), {}, T{}) {}
+  requires(!detail::kDeclares<
+           3, detail::Types<Configurable&, std::string_view, T, std::string_view, Limits<T>>,
+           Wrong...>) explicit Property(Wrong&&...)
+      : Property(detail::none<Configurable&>(), {}, detail::none<T>()) {
+    static_assert(detail::kNever<Wrong...>,
+                  "mauve: a property is declared as `Property<T> NAME{*this, \"NAME\", DEFAULT, "
+                  "\"text\"};` with a default of its type");
+  }
 
   operator const T&() const { return value_; }           ///< [any]
   [[nodiscard]] const T& get() const { return value_; }  ///< [any]
@@ -150,21 +142,10 @@ class Property final : public PropertyBase {
   }
 
  private:
-  static Value encode(const T& data) {
-    if constexpr (detail::HasCodec<T>) {
-      return Codec<T>::encode(data);
-    } else {
-      return {};
-    }
-  }
+  static Value encode(const T& data) { return Codec<T>::encode(data); }
   Status decode(const Value& value, T& data) const {
-    if constexpr (detail::HasCodec<T>) {
-      Status done = Codec<T>::decode(value, data);
-      return done ? in_range(data) : detail::inside(std::move(done), address());
-    } else {
-      return refuse({Errc::unsupported, "type_not_described"}, address(),
-                    "its type has no description");
-    }
+    Status done = Codec<T>::decode(value, data);
+    return done ? in_range(data) : detail::inside(std::move(done), address());
   }
   Status in_range([[maybe_unused]] const T& value) const {
     if constexpr (requires { value < value; }) {

@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include <mauve/detail/data_status.h>
+#include <mauve/detail/declared_service.h>
 #include <mauve/detail/method.h>
 #include <mauve/detail/resource_lock.h>
 #include <mauve/detail/signature.h>
@@ -94,6 +95,11 @@ class ReadService final : public ServiceBase {
               std::type_identity_t<std::optional<T> (C::*)()> method)
       : ServiceBase(owner, name, Signature::read<T>()),
         maybe_(Method<std::optional<T>()>(method)) {}
+  /// Refuses to compile, with one sentence.
+  template <typename... Wrong>
+  requires(!detail::kServes<void(T (*)(), std::optional<T> (*)()), Wrong...>) explicit ReadService(
+      Wrong&&...)
+      : ServiceBase(detail::wrong_service<Wrong...>(), {}, {}) {}
 
   DataStatus read(void* into, Cursor& cursor) override {
     ScopedLock held(lock());
@@ -131,6 +137,11 @@ class WriteService final : public ServiceBase {
   WriteService(Interface<C>& owner, std::string_view name,
                std::type_identity_t<void (C::*)(const T&)> method, Writers writers = Writers::many)
       : ServiceBase(owner, name, Signature::write<T>(), writers), method_(method) {}
+  /// Refuses to compile, with one sentence.
+  template <typename... Wrong>
+  requires(!detail::kServes<void(void (*)(const T&)), Wrong...>) explicit WriteService(Wrong&&...)
+      : ServiceBase(detail::wrong_service<Wrong...>(), {}, {}),
+        method_(detail::none<Method<void(const T&)>>()) {}
 
   bool write(const void* data) override {
     ScopedLock held(lock());
@@ -150,7 +161,15 @@ class WriteService final : public ServiceBase {
 
 /// Of a signature `R(P...)`, see its specialization.
 template <typename Signature>
-class CallService;
+class CallService {
+  static_assert(detail::kNever<Signature>,
+                "mauve: a call service has a signature such as `CallService<double(int)>`");
+
+ public:
+  /// Any arguments: the sentence above is enough.
+  template <typename... A>
+  explicit CallService(A&&...) {}
+};
 
 /// A method of the core with arguments and an answer, on the thread of the caller and under the
 /// resource lock.
@@ -163,6 +182,11 @@ class CallService<R(P...)> final : public ServiceBase {
   CallService(Interface<C>& owner, std::string_view name,
               std::type_identity_t<R (C::*)(P...)> method, Writers writers = Writers::many)
       : ServiceBase(owner, name, Signature::call<R, P...>(), writers), method_(method) {}
+  /// Refuses to compile, with one sentence.
+  template <typename... Wrong>
+  requires(!detail::kServes<void(R (*)(P...)), Wrong...>) explicit CallService(Wrong&&...)
+      : ServiceBase(detail::wrong_service<Wrong...>(), {}, {}),
+        method_(detail::none<Method<R(P...)>>()) {}
 
   bool invoke(void* result, void* const* arguments) override {
     return invoke(result, arguments, std::index_sequence_for<P...>{});
@@ -196,6 +220,11 @@ class EventService final : public ServiceBase {
   EventService(Interface<C>& owner, std::string_view name,
                std::type_identity_t<void (C::*)(P...)> method)
       : ServiceBase(owner, name, Signature::event<P...>()), method_(method) {}
+  /// Refuses to compile, with one sentence.
+  template <typename... Wrong>
+  requires(!detail::kServes<void(void (*)(P...)), Wrong...>) explicit EventService(Wrong&&...)
+      : ServiceBase(detail::wrong_service<Wrong...>(), {}, {}),
+        method_(detail::none<Method<void(P...)>>()) {}
 
   bool invoke(void* /*result*/, void* const* arguments) override {
     return invoke(arguments, std::index_sequence_for<P...>{});

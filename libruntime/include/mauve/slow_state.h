@@ -17,6 +17,7 @@
 #include <utility>
 
 #include <mauve/detail/capsule.h>
+#include <mauve/detail/declared.h>
 #include <mauve/result.h>
 
 namespace mauve {
@@ -57,6 +58,14 @@ class SlowState final : public SlowStateBase {
  public:
   /// Holds nothing yet.
   explicit SlowState(CoreBase& owner) : SlowStateBase(owner, data_type<T>()) {}
+  /// Refuses to compile, with one sentence.
+  template <typename... Wrong>
+  requires(!detail::kDeclares<1, detail::Types<CoreBase&>, Wrong...>) explicit SlowState(Wrong&&...)
+      : SlowState(detail::none<CoreBase&>()) {
+    static_assert(detail::kNever<Wrong...>,
+                  "mauve: a slow state is a member of a core, declared as `SlowState<T> "
+                  "NAME{*this};`; on_configure() gives it its value with set()");
+  }
 
   /// Only when there is one. [any]
   const T& operator*() const { return *static_cast<const T*>(object()); }

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include <mauve/detail/capsule.h>
+#include <mauve/detail/declared.h>
 
 namespace mauve {
 
@@ -49,6 +50,15 @@ class State final : public StateBase {
   /// `initial` is what a core begins with to which nothing is handed over.
   explicit State(CoreBase& owner, T initial = T{})
       : StateBase(owner, data_type<T>(), std::make_shared<T>(std::move(initial))) {}
+  /// Refuses to compile, with one sentence.
+  template <typename... Wrong>
+  requires(!detail::kDeclares<1, detail::Types<CoreBase&, T>, Wrong...>) explicit State(Wrong&&...)
+      : State(detail::none<CoreBase&>(), detail::none<T>()) {
+    static_assert(
+        detail::kNever<Wrong...>,
+        "mauve: a state is a member of a core, declared as `State<T> NAME{*this};` or with "
+        "a first value of its type, `State<T> NAME{*this, T{...}};`");
+  }
 
   T& operator*() { return *static_cast<T*>(object()); }                    ///< [rt]
   T* operator->() { return static_cast<T*>(object()); }                    ///< [rt]
@@ -62,6 +72,13 @@ class State final : public StateBase {
 class Stateless {
  public:
   explicit Stateless(CoreBase& owner);  ///< registers itself with the core
+  /// Refuses to compile, with one sentence.
+  template <typename... Wrong>
+  requires(!detail::kDeclares<1, detail::Types<CoreBase&>, Wrong...>) explicit Stateless(Wrong&&...)
+      : Stateless(detail::none<CoreBase&>()) {
+    static_assert(detail::kNever<Wrong...>,
+                  "mauve: Stateless is a member of a core, declared as `Stateless NAME{*this};`");
+  }
 };
 
 }  // namespace mauve

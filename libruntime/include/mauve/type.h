@@ -91,7 +91,7 @@ inline constexpr bool kVouched = HasCodec<T> || HasName<T>;
 template <typename T>
 std::uint64_t layout_of() {
   std::uint64_t h = hash(sizeof(T), hash(alignof(T), kHashSeed));
-  if constexpr (HasFields<T>) {
+  if constexpr (HasGoodFields<T>) {
     const T sample{};
     const auto* base = reinterpret_cast<const std::byte*>(&sample);
     std::apply(
@@ -111,6 +111,14 @@ std::uint64_t layout_of() {
   return h;
 }
 
+/// The description makes T from Before without an exception, and both are plain bytes.
+template <typename T, typename Before>
+inline constexpr bool kConvertsFrom = std::is_trivially_copyable_v<T>&&
+    std::is_trivially_copyable_v<Before>&& requires(const Before& old, T& now) {
+  { Described<T>::convert(old, now) }
+  noexcept;
+};
+
 template <typename T>
 DataType make_data_type() {
   DataType type;
@@ -121,16 +129,20 @@ DataType make_data_type() {
     type.layout = layout_of<T>();
     type.vouched = kVouched<T>;
     type.flat = std::is_trivially_copyable_v<T>;
-    type.construct = [](void* memory) { ::new (memory) T{}; };
+    constexpr bool kMade = std::is_default_constructible_v<T>;
+    static_assert(kMade, "mauve: a data type has a default value: a constructor without arguments");
+    if constexpr (kMade) type.construct = [](void* memory) { ::new (memory) T{}; };
     if constexpr (requires { typename Described<T>::Before; }) {
       using Before = typename Described<T>::Before;
-      static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_copyable_v<Before>);
-      static_assert(
-          noexcept(Described<T>::convert(std::declval<const Before&>(), std::declval<T&>())));
-      type.before = &data_type<Before>;
-      type.convert = [](const void* old, void* now) {
-        Described<T>::convert(*static_cast<const Before*>(old), *static_cast<T*>(now));
-      };
+      static_assert(kConvertsFrom<T, Before>,
+                    "mauve: a mauve::Described<T> with `using Before = Old;` has a `static void "
+                    "convert(const Old& old, T& now) noexcept`, and both types are plain bytes");
+      if constexpr (kConvertsFrom<T, Before>) {
+        type.before = &data_type<Before>;
+        type.convert = [](const void* old, void* now) {
+          Described<T>::convert(*static_cast<const Before*>(old), *static_cast<T*>(now));
+        };
+      }
     }
     if constexpr (HasCodec<T>) {
       type.to_value = [](const void* data) {

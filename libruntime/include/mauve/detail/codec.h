@@ -15,6 +15,7 @@
 #include <mauve/bounded.h>
 #include <mauve/detail/class_name.h>
 #include <mauve/detail/codec_scalar.h>
+#include <mauve/detail/declared.h>
 #include <mauve/host/value.h>
 #include <mauve/result.h>
 
@@ -98,7 +99,36 @@ struct Codec<Bounded<T, N>> {
   }
 };
 
+namespace detail {
+
+/// fields() is a tuple of members of T, whose types have a conversion too.
+template <typename T, typename F>
+inline constexpr bool kFieldOf = false;
+template <typename T, typename Owner, typename M>
+inline constexpr bool kFieldOf<T, Field<Owner, M>> = std::is_base_of_v<Owner, T>&& HasCodec<M>;
+template <typename T, typename Fields>
+inline constexpr bool kFieldsOf = false;
+template <typename T, typename... F>
+inline constexpr bool kFieldsOf<T, std::tuple<F...>> = (kFieldOf<T, F> && ...);
+
+/// A description that is right.
+template <typename T>
+concept HasGoodFields = HasFields<T> && kFieldsOf<T, decltype(Described<T>::fields())>;
+
+}  // namespace detail
+
 template <detail::HasFields T>
+struct Codec<T> {
+  static_assert(
+      detail::kNever<T>,
+      "mauve: fields() of a mauve::Described<T> returns `std::tuple{mauve::field(\"NAME\", "
+      "&T::NAME), ...}` of members of T; the type of each is described too");
+  static Value encode(const T& data);
+  static Status decode(const Value& value, T& data);
+  static Value describe();
+};
+
+template <detail::HasGoodFields T>
 struct Codec<T> {
   static Value encode(const T& data) {
     Value::Object object;

@@ -3,6 +3,7 @@
 /// and of the catalog.
 #pragma once
 
+#include <concepts>
 #include <functional>
 #include <memory>
 #include <string>
@@ -29,69 +30,129 @@ using Make = std::function<std::shared_ptr<Base>()>;
 
 template <typename Base, typename T>
 std::shared_ptr<Base> make() {
-  static_assert(std::is_base_of_v<Base, T>, "mauve: an element of another kind is expected here");
-  static_assert(!std::is_abstract_v<T>,
+  constexpr bool kRight = std::derived_from<T, Base>;
+  constexpr bool kAbstract = std::is_abstract_v<T>;
+  static_assert(kRight, "mauve: an element of another kind is expected here");
+  static_assert(!kAbstract,
                 "mauve: this class is abstract, so no object of it can be made: override every "
                 "pure virtual function of its contract; the next error names those that are left");
-  if constexpr (std::is_abstract_v<T>) {
+  if constexpr (kRight && kAbstract) {
     return std::shared_ptr<Base>(new T);
-  } else {
-    static_assert(std::is_default_constructible_v<T>,
+  } else if constexpr (kRight) {
+    constexpr bool kMade = std::is_default_constructible_v<T>;
+    static_assert(kMade,
                   "mauve: an element is made without arguments: give it no constructor, and let "
                   "its members be initialised where they are declared");
-    return std::make_shared<T>();
+    if constexpr (kMade) return std::make_shared<T>();
   }
+  return nullptr;
+}
+
+/// The class has a shell that is one.
+template <typename C>
+constexpr bool check_core() {
+  constexpr bool kCore = std::derived_from<C, CoreBase> && requires { typename C::ShellType; };
+  static_assert(kCore,
+                "mauve: a core derives publicly from mauve::Core<YourShell> or from a contract "
+                "class");
+  if constexpr (kCore) {
+    constexpr bool kShell = std::derived_from<typename C::ShellType, Shell>;
+    static_assert(kShell,
+                  "mauve: the class in mauve::Core<...> is a shell, derived from mauve::Shell");
+    return kShell;
+  }
+  return false;
 }
 
 /// The contract of a core class.
 template <typename CoreT>
 Contract contract_of_core() {
-  static_assert(std::is_base_of_v<CoreBase, CoreT>,
-                "mauve: a core derives from mauve::Core<YourShell> or from a contract class");
-  using C = typename ContractOf<CoreT>::type;
-  static_assert(std::is_base_of_v<C, CoreT>, "mauve: a core derives from its contract class");
-  return contract_of<C>();
+  if constexpr (check_core<CoreT>()) {
+    using C = typename ContractOf<CoreT>::type;
+    constexpr bool kRight = std::derived_from<CoreT, C>;
+    static_assert(kRight, "mauve: a core derives from its contract class");
+    if constexpr (kRight) return contract_of<C>();
+  }
+  return {};
 }
 
-/// The shell, core and state machine of a component fit one another.
+/// A state machine of cores of some kind.
+template <typename T>
+inline constexpr bool kIsFsm = std::derived_from<T, FsmBase>&& requires {
+  typename T::CoreType;
+};
+template <typename T>
+constexpr bool check_fsm() {
+  static_assert(kIsFsm<T>, "mauve: a state machine derives publicly from mauve::Fsm<YourContract>");
+  return kIsFsm<T>;
+}
+
+/// The shell, core and state machine of a component fit one another: the first thing that does not
+/// is one sentence.
 template <typename ShellT, typename FsmT>
-constexpr void check_parts() {
-  static_assert(std::is_base_of_v<Shell, ShellT>,
+constexpr bool check_parts() {
+  constexpr bool kShell = std::derived_from<ShellT, Shell>;
+  static_assert(kShell,
                 "mauve: the first class of a component is its shell, derived from mauve::Shell");
-  static_assert(std::is_base_of_v<FsmBase, FsmT>,
+  static_assert(!kShell || kIsFsm<FsmT>,
                 "mauve: the last class of a component is its state machine, derived from "
                 "mauve::Fsm<YourContract>");
-  static_assert(std::is_same_v<typename FsmT::CoreType::ShellType, ShellT>,
-                "mauve: this state machine calls cores of another shell: name the shell that its "
-                "contract class has in mauve::Core<...>");
+  if constexpr (kShell && kIsFsm<FsmT>) {
+    if constexpr (check_core<typename FsmT::CoreType>()) {
+      constexpr bool kSame = std::is_same_v<typename FsmT::CoreType::ShellType, ShellT>;
+      static_assert(kSame,
+                    "mauve: this state machine calls cores of another shell: name the shell that "
+                    "its contract class has in mauve::Core<...>");
+      return kSame;
+    }
+  }
+  return false;
 }
 template <typename ShellT, typename CoreT, typename FsmT>
-constexpr void check_parts() {
-  check_parts<ShellT, FsmT>();
-  static_assert(std::is_base_of_v<CoreBase, CoreT>,
-                "mauve: the second class of a component is its core, derived from mauve::Core");
-  static_assert(std::is_same_v<typename ContractOf<CoreT>::type,
-                               typename ContractOf<typename FsmT::CoreType>::type>,
-                "mauve: this core fulfils another contract than its state machine calls: derive "
-                "the core from the class that is named in mauve::Fsm<...>");
+constexpr bool check_parts() {
+  if constexpr (check_parts<ShellT, FsmT>()) {
+    constexpr bool kCore = std::derived_from<CoreT, CoreBase>;
+    static_assert(kCore,
+                  "mauve: the second class of a component is its core, derived from mauve::Core");
+    if constexpr (kCore) {
+      constexpr bool kSame = std::is_same_v<typename ContractOf<CoreT>::type,
+                                            typename ContractOf<typename FsmT::CoreType>::type>;
+      static_assert(
+          kSame,
+          "mauve: this core fulfils another contract than its state machine calls: derive "
+          "the core from the class that is named in mauve::Fsm<...>, and let that class "
+          "say `using Contract = ITS_NAME;`");
+      return kSame;
+    }
+  }
+  return false;
 }
 
 /// The same for a resource.
 template <typename ShellT, typename CoreT, typename InterfaceT>
-constexpr void check_resource() {
-  static_assert(std::is_base_of_v<Shell, ShellT>,
+constexpr bool check_resource() {
+  constexpr bool kShell = std::derived_from<ShellT, Shell>;
+  constexpr bool kCore = std::derived_from<CoreT, CoreBase>;
+  constexpr bool kInterface = std::derived_from<InterfaceT, InterfaceBase>;
+  static_assert(kShell,
                 "mauve: the first class of a resource is its shell, derived from mauve::Shell");
-  static_assert(std::is_base_of_v<CoreBase, CoreT>,
+  static_assert(!kShell || kCore,
                 "mauve: the second class of a resource is its core, derived from mauve::Core");
-  static_assert(std::is_base_of_v<InterfaceBase, InterfaceT>,
+  static_assert(!kShell || !kCore || kInterface,
                 "mauve: the third class of a resource is its interface, derived from "
                 "mauve::Interface<YourCore>");
-  static_assert(std::is_base_of_v<typename InterfaceT::CoreType, CoreT>,
-                "mauve: this interface calls cores of another class: name the core, or a base "
-                "class of it, in mauve::Interface<...>");
-  static_assert(std::is_same_v<typename CoreT::ShellType, ShellT>,
-                "mauve: this core expects another shell: name the shell of the resource in "
-                "mauve::Core<...>");
+  if constexpr (kShell && kCore && kInterface) {
+    constexpr bool kCalls = std::is_base_of_v<typename InterfaceT::CoreType, CoreT>;
+    constexpr bool kSees = std::is_same_v<typename CoreT::ShellType, ShellT>;
+    static_assert(kCalls,
+                  "mauve: this interface calls cores of another class: name the core, or a base "
+                  "class of it, in mauve::Interface<...>");
+    static_assert(!kCalls || kSees,
+                  "mauve: this core expects another shell: name the shell of the resource in "
+                  "mauve::Core<...>");
+    return kCalls && kSees;
+  }
+  return false;
 }
 
 }  // namespace detail

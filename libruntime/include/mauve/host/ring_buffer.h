@@ -33,7 +33,8 @@ class RingBufferBase : public ResourceBase {
 /// @snippet api_examples.cpp RingBuffer
 template <typename T>
 class RingBuffer final : public RingBufferBase {
-  static_assert(std::is_trivially_copyable_v<T>, "exchanged data has fixed size: no heap inside");
+  static_assert(std::is_trivially_copyable_v<T>,
+                "mauve: exchanged data has fixed size: no heap inside");
 
  public:
   RingBuffer(Architecture& architecture, std::string name);  ///< joins the architecture

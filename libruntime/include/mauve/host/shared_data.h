@@ -34,7 +34,8 @@ class SharedDataBase : public ResourceBase {
 /// @snippet api_examples.cpp SharedData
 template <typename T>
 class SharedData final : public SharedDataBase {
-  static_assert(std::is_trivially_copyable_v<T>, "exchanged data has fixed size: no heap inside");
+  static_assert(std::is_trivially_copyable_v<T>,
+                "mauve: exchanged data has fixed size: no heap inside");
 
  public:
   SharedData(Architecture& architecture, std::string name);  ///< no data at first
