@@ -9,6 +9,9 @@ import pathlib
 import re
 import sys
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "cmake"))
+import member_names  # noqa: E402
+
 # Layer: the layers that it may use (itself always). "public" is libruntime/include/mauve.
 RUNTIME = "public base rt rules model exec plugin analysis trace arch"
 MAY_USE = {
@@ -79,7 +82,6 @@ INCLUDE_ROOTS = ("libruntime/include", "libruntime", "daemon", "ctl", "man", "pl
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^">]+)[">]', re.MULTILINE)
 # The answer is gone before the first row of it is looked at.
 ROWS_OF_NOTHING = re.compile(r"for \([^;()]* : [^;\n]*\bask\([^;\n]*\)\[")
-MEMBER = re.compile(r'\b(\w+?)_?\s*\{\s*\*this\s*,\s*"([^"]*)"')
 # Authors include mauve/ only; a name that they need and that lies deeper gets an address there.
 AUTHORS = ("plugins", "examples")
 DETAIL = re.compile(r"\bmauve::detail\b")
@@ -159,11 +161,8 @@ def check_file(root, path):
         yield text.count("\n", 0, match.start()) + 1, "mauve::detail is for the runtime; authors use names of mauve"
     for match in ROWS_OF_NOTHING.finditer(text):
         yield text.count("\n", 0, match.start()) + 1, "give the answer a name before the loop: it lives no longer"
-    for match in MEMBER.finditer(text):
-        # Tests give wrong and double names on purpose.
-        if match.group(1) != match.group(2) and layer != "tests":
-            yield (text.count("\n", 0, match.start()) + 1,
-                   f'member {match.group(1)} is registered as "{match.group(2)}"; use one name')
+    if layer != "tests":  # which give wrong and double names on purpose
+        yield from member_names.problems_of(text)
 
 
 def sources(root):

@@ -73,6 +73,7 @@ write_basic_package_version_file("${PROJECT_BINARY_DIR}/package/mauveConfigVersi
 install(FILES "${PROJECT_BINARY_DIR}/package/mauveConfig.cmake"
   "${PROJECT_BINARY_DIR}/package/mauveConfigVersion.cmake"
   "${CMAKE_CURRENT_LIST_DIR}/MauvePlugin.cmake" "${CMAKE_CURRENT_LIST_DIR}/mauve_plugin.map"
+  "${CMAKE_CURRENT_LIST_DIR}/member_names.py"
   DESTINATION "${mauve_cmake_dir}" COMPONENT dev)
 # The prefix is known only at install time (cmake --install --prefix), so mauve.pc is written then.
 install(CODE "

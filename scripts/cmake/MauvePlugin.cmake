@@ -5,8 +5,15 @@
 # Builds NAME.so as mauved wants its plugins: one exported symbol, everything resolved at link time,
 # nothing that would pin the code in memory after dlclose, no search path of its own, and a checksum
 # in its manifest by which mauved notices damage (mauve-stamp, after linking). The target is called NAME unless TARGET says otherwise. Works in this tree and after find_package(mauve).
+# A member that registers itself under another name than its own, gain{*this, "gian"}, fails the build with its file and
+# line (member_names.py, which needs Python 3). A comment before the string says that another name is meant.
 # A project that sets no build type gets RelWithDebInfo: without one the compiler would not optimise.
 set(MAUVE_PLUGIN_VERSION_SCRIPT "${CMAKE_CURRENT_LIST_DIR}/mauve_plugin.map")
+set(MAUVE_MEMBER_NAMES "${CMAKE_CURRENT_LIST_DIR}/member_names.py")
+find_package(Python3 QUIET COMPONENTS Interpreter)
+if(NOT Python3_Interpreter_FOUND)
+  message(WARNING "mauve_add_plugin: there is no Python 3, so the names of members are not checked; install python3")
+endif()
 
 function(mauve_add_plugin name)
   cmake_parse_arguments(PARSE_ARGV 1 ARG "" "VERSION;TARGET;OUTPUT_DIRECTORY" "SOURCES;LINKS")
@@ -66,6 +73,13 @@ function(mauve_add_plugin name)
     target_link_options(${ARG_TARGET} PRIVATE LINKER:-z,defs)
   endif()
   target_link_libraries(${ARG_TARGET} PRIVATE mauve::runtime ${ARG_LINKS})
+  if(Python3_Interpreter_FOUND)
+    set(folders "$<TARGET_PROPERTY:${ARG_TARGET},INCLUDE_DIRECTORIES>")
+    add_custom_command(TARGET ${ARG_TARGET} PRE_LINK
+      COMMAND "${Python3_EXECUTABLE}" "${MAUVE_MEMBER_NAMES}" "${CMAKE_SOURCE_DIR}" "-I$<JOIN:${folders},;-I>"
+        "$<TARGET_PROPERTY:${ARG_TARGET},SOURCES>"
+      WORKING_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}" COMMAND_EXPAND_LISTS VERBATIM)
+  endif()
   add_custom_command(TARGET ${ARG_TARGET} POST_BUILD
     COMMAND mauve::stamp "$<TARGET_FILE:${ARG_TARGET}>" VERBATIM)
   # Types and contracts of other plugins, spelled alike here and after installation: "types/pose.h".

@@ -91,6 +91,15 @@ class Layers(unittest.TestCase):
         self.refused({"plugins/a/a.cpp": 'Property<double> gain{*this, "gian", 1};\n'},
                      'member gain is registered as "gian"')
 
+    def test_accepts_another_name_that_is_meant_and_names_in_comments(self):
+        self.accepted({"plugins/a/a.cpp": 'Property<double> gain{*this, /*as in the paper*/ "k", 1};\n'
+                                          '// gain{*this, "k"} would be refused\n/* gain{*this, "k"} too */\n'})
+
+    def test_names_the_line_of_a_member_behind_comments_and_strings(self):
+        self.refused({"plugins/a/a.cpp": '/* two\nlines */ char a = \'"\'; auto b = "//";\n'
+                                         'Property<double> gain{\n    *this, "gian", 1};\n'},
+                     'plugins/a/a.cpp:3: member gain is registered as "gian"')
+
     def test_accepts_members_whose_strings_agree(self):
         self.accepted({"plugins/a/a.cpp": 'Sync idle{*this, "idle", 1}, pace_{*this, "pace", 2};\n'})
 
