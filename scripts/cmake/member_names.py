@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Fails when a member registers itself under another name than its own: gain{*this, "gian"}.
+"""Fails when a member is registered under another name than its own: gain{*this, "gian"}, parameter("gian", &Pid::gain).
 
 Usage: member_names.py ROOT [-IDIR]... FILE...
 
@@ -12,6 +12,7 @@ import re
 import sys
 
 MEMBER = re.compile(r'\b(\w+?)_?\s*\{\s*\*this\s*,\s*"([^"\n]*)"')
+PARAMETER = re.compile(r'\bparameter\s*\(\s*"([^"\n]*)"\s*,\s*&\s*[\w:]*::(\w+)')
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([^"\n]+)"', re.MULTILINE)
 # A string or character first, so that what looks like a comment inside of it is none.
 COMMENT = re.compile(r'"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'|//[^\n]*|/\*.*?\*/', re.DOTALL)
@@ -27,10 +28,11 @@ def without_comments(text):
 def problems_of(text):
     """(line, sentence) for each member whose string differs."""
     text = without_comments(text)
-    for match in MEMBER.finditer(text):
-        member, name = match.groups()
+    found = [(match.start(), *match.groups()) for match in MEMBER.finditer(text)]
+    found += [(match.start(), *reversed(match.groups())) for match in PARAMETER.finditer(text)]
+    for at, member, name in sorted(found):
         if member != name:
-            yield (text.count("\n", 0, match.start()) + 1,
+            yield (text.count("\n", 0, at) + 1,
                    f'member {member} is registered as "{name}"; give both one name, '
                    'or put a comment before the string if another name is meant')
 

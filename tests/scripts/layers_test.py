@@ -91,6 +91,11 @@ class Layers(unittest.TestCase):
         self.refused({"plugins/a/a.cpp": 'Property<double> gain{*this, "gian", 1};\n'},
                      'member gain is registered as "gian"')
 
+    def test_refuses_a_parameter_whose_string_differs_from_its_field(self):
+        self.refused({"plugins/a/a.cpp": 'parameter("gain", &Gains::gain), mauve::parameter("gian",\n &a::Gains::gain)\n'},
+                     'a.cpp:1: member gain is registered as "gian"')
+        self.accepted({"plugins/a/a.cpp": 'parameter(/*as in the paper*/ "k", &Gains::gain)\n'})
+
     def test_accepts_another_name_that_is_meant_and_names_in_comments(self):
         self.accepted({"plugins/a/a.cpp": 'Property<double> gain{*this, /*as in the paper*/ "k", 1};\n'
                                           '// gain{*this, "k"} would be refused\n/* gain{*this, "k"} too */\n'})

@@ -1,94 +1,34 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Property: a typed configuration value of a shell, core, fsm or interface (paper 3.3.1).
+/// Property: a typed configuration value of a shell, core, fsm or interface (paper 3.3.1), and
+/// Parameters: a plain struct of an algorithm whose fields are properties.
 #pragma once
 
-#include <optional>
-#include <string>
+#include <memory>
+#include <stdexcept>
 #include <string_view>
+#include <tuple>
 #include <type_traits>
+#include <utility>
+#include <vector>
 
-#include <mauve/detail/configurable.h>
 #include <mauve/detail/declared.h>
-#include <mauve/type.h>
+#include <mauve/detail/property_base.h>
 
 namespace mauve {
 
-/// Optional limits and unit of a property: `{.unit = "m/s", .min = 0.0, .max = 2.0}`.
-template <typename T>
-struct Limits {
-  std::string_view unit = {};  ///< for people, such as "m/s"
-  std::optional<T> min = {};   ///< the smallest value; empty: none
-  std::optional<T> max = {};   ///< the largest value; empty: none
-  /// Of a path: where it must lie when a request sets it, as words with spaces between them.
-  /// "/dev/" is a directory, "./" that of the architecture, and "pty:" the beginning of a name that
-  /// has no slash. Every property whose value is opened or created as a file declares this. The
-  /// architecture file itself may name any path.
-  std::string_view within = {};
-};
-
-/// The base class of properties of all types, through which the runtime uses them.
-class PropertyBase {
- public:
-  PropertyBase(const PropertyBase&) = delete;
-  PropertyBase& operator=(const PropertyBase&) = delete;
-  virtual ~PropertyBase() = default;
-
-  [[nodiscard]] std::string_view name() const { return name_; }  ///< of the member
-  [[nodiscard]] std::string_view text() const { return text_; }  ///< for people
-  [[nodiscard]] std::string_view unit() const { return unit_; }  ///< may be empty
-  [[nodiscard]] std::string address() const;                     ///< such as "control.core.gain"
-  [[nodiscard]] const DataType& type() const { return *type_; }  ///< of the value
-
-  /// Values as text-like trees; null where there is none (no limit, type without description).
-  [[nodiscard]] virtual Value value() const = 0;
-  [[nodiscard]] virtual Value default_value() const = 0;  ///< as declared
-  [[nodiscard]] virtual Value min() const { return {}; }  ///< null: none
-  [[nodiscard]] virtual Value max() const { return {}; }  ///< null: none
-  /// Where a path must lie that a request sets, see Limits; empty: this is no path.
-  [[nodiscard]] virtual std::string_view within() const { return {}; }
-
-  /// Writes the value; refused when the element is configured, of another type, out of range.
-  /// [control] or [factory].
-  Status set(const Value& value);
-  /// Would set() accept this value (apart from being configured)?
-  [[nodiscard]] virtual Status accepts(const Value& value) const = 0;
-
- protected:
-  /// Registers itself with its owner.
-  PropertyBase(Configurable& owner, std::string_view name, std::string_view text,
-               std::string_view unit, const DataType& type);
-  /// An error when the owner is configured.
-  [[nodiscard]] Status writable() const;
-  /// Keeps an error for the owner's next configure().
-  void defer(Error error);
-  virtual Status assign(const Value& value) = 0;  ///< converts, checks and stores the value
-
- private:
-  Configurable& owner_;
-  std::string_view name_;
-  std::string_view text_;
-  std::string_view unit_;
-  const DataType* type_;
-};
-
 /// A value that the architecture file and `mauvectl set` give. Declared as a member. It changes
 /// only while its element is not configured: a change of a running component makes a new element
-/// beside it. Reading is [any]; real-time code reads it as a plain value.
+/// beside it. Reading is [any]; real-time code reads it as a plain value. A core that hands many of
+/// them to its algorithm in a struct declares that struct instead: Parameters.
 /// @snippet api_examples.cpp Property
 template <typename T>
-class Property final : public PropertyBase {
-  static_assert(detail::HasCodec<T>,
-                "mauve: the type of a property is a bool, a number, std::string, mauve::Duration, "
-                "mauve::Text, an array of these, or a struct with a mauve::Described");
-
+class Property final : public detail::PropertyAt<T> {
  public:
   /// `text` says for people what it is; texts are literals.
   Property(Configurable& owner, std::string_view name, T value, std::string_view text = {},
            Limits<T> limits = {})
-      : PropertyBase(owner, name, text, limits.unit, data_type<T>()),
-        default_(value),
-        value_(std::move(value)),
-        limits_(std::move(limits)) {}
+      : detail::PropertyAt<T>(owner, name, text, value, value_, std::move(limits)),
+        value_(std::move(value)) {}
   /// Refuses to compile, with one sentence.
   template <typename... Wrong>
   requires(!detail::kDeclares<
@@ -108,70 +48,128 @@ class Property final : public PropertyBase {
   /// In code: `shell().device = "/dev/ttyS0"`. A refused value (element configured, out of range)
   /// changes nothing and is reported by the element's next configure().
   Property& operator=(T value) {
-    if (Status done = set_typed(std::move(value)); !done) defer(done.error());
+    if (Status done = this->set_typed(std::move(value)); !done) this->defer(done.error());
     return *this;
-  }
-  /// The same with the answer at once.
-  Status set_typed(T value) {
-    if (Status done = writable(); !done) return done;
-    if (Status done = in_range(value); !done) return done;
-    value_ = std::move(value);
-    return ok();
-  }
-
-  [[nodiscard]] Value value() const override { return encode(value_); }
-  /// See PropertyBase.
-  [[nodiscard]] Value default_value() const override { return encode(default_); }
-  /// See PropertyBase.
-  [[nodiscard]] Value min() const override { return limits_.min ? encode(*limits_.min) : Value(); }
-  /// See PropertyBase.
-  [[nodiscard]] Value max() const override { return limits_.max ? encode(*limits_.max) : Value(); }
-  [[nodiscard]] std::string_view within() const override { return limits_.within; }
-  [[nodiscard]] Status accepts(const Value& value) const override {
-    T decoded = default_;
-    return decode(value, decoded);
-  }
-
- protected:
-  /// See PropertyBase.
-  Status assign(const Value& value) override {
-    T decoded = value_;
-    if (Status done = decode(value, decoded); !done) return done;
-    value_ = std::move(decoded);
-    return ok();
   }
 
  private:
-  static Value encode(const T& data) { return Codec<T>::encode(data); }
-  Status decode(const Value& value, T& data) const {
-    Status done = Codec<T>::decode(value, data);
-    return done ? in_range(data) : detail::inside(std::move(done), address());
-  }
-  Status in_range([[maybe_unused]] const T& value) const {
-    if constexpr (requires { value < value; }) {
-      if (limits_.min && value < *limits_.min)
-        return beyond(value, "below the minimum ", *limits_.min);
-      if (limits_.max && *limits_.max < value)
-        return beyond(value, "above the maximum ", *limits_.max);
-      if constexpr (std::is_floating_point_v<T>) {
-        if (value != value)
-          return refuse({Errc::invalid_value, "value_out_of_range"}, address(), "is not a number");
-      }
-    }
-    return ok();
-  }
-  Error beyond(const T& value, const char* relation, const T& limit) const {
-    return refuse({Errc::invalid_value, "value_out_of_range"}, address(),
-                  to_string(encode(value)) + " is " + relation + to_string(encode(limit)) +
-                      (unit().empty() ? "" : " " + std::string(unit())));
-  }
-
-  T default_;
   T value_;
-  Limits<T> limits_;
 };
 
-/// An error that names the property: `return mauve::invalid(gain, "must be positive");`
-[[nodiscard]] Error invalid(const PropertyBase& property, std::string message);
+/// One field of a struct of parameters; made by parameter().
+template <typename Owner, typename T>
+struct Parameter {
+  std::string_view name;  ///< of the property
+  T Owner::*member;       ///< holds its value
+  std::string_view text;  ///< for people
+  Limits<T> limits;       ///< and unit
+};
+
+/// A field as a property. Name and texts are literals.
+template <typename Owner, typename T>
+constexpr Parameter<Owner, T> parameter(std::string_view name, T Owner::*member,
+                                        std::string_view text = {},
+                                        Limits<std::type_identity_t<T>> limits = {}) {
+  return {name, member, text, std::move(limits)};
+}
+
+namespace detail {
+
+/// The property of one field.
+template <typename T>
+class FieldProperty final : public PropertyAt<T> {
+ public:
+  template <typename Owner>
+  FieldProperty(Configurable& owner, const Parameter<Owner, T>& field, T& place)
+      : PropertyAt<T>(owner, field.name, field.text, place, place, field.limits) {}
+  using PropertyAt<T>::defer;
+};
+
+template <typename T>
+inline constexpr bool kListsParameters = requires {
+  T::parameters();
+};
+
+}  // namespace detail
+
+/// A struct whose fields are set like properties. Declared as a member of a core, shell, state
+/// machine or interface, and read as `gains->kp` or `*gains`. Each field that `T::parameters()`
+/// lists is a property of the element under its name (`control.core.kp`), in that order; another
+/// field keeps its value. As of any property, the values change only while the element is not
+/// configured: a job sees one set of them. Reading is [any].
+/// @snippet api_examples.cpp Parameters
+template <typename T>
+class Parameters {
+  static_assert(detail::kListsParameters<T>,
+                "mauve: a struct of parameters lists its fields: `static auto parameters() { "
+                "return std::tuple{mauve::parameter(\"kp\", &Gains::kp)}; }`");
+
+ public:
+  /// `initial` holds the defaults of the properties.
+  explicit Parameters(Configurable& owner, T initial = T{}) : values_(std::move(initial)) {
+    std::apply([&](const auto&... fields) { (add(owner, fields), ...); }, T::parameters());
+  }
+  Parameters(const Parameters&) = delete;
+  Parameters& operator=(const Parameters&) = delete;
+
+  operator const T&() const { return values_; }           ///< [any]
+  [[nodiscard]] const T& get() const { return values_; }  ///< [any]
+  const T& operator*() const { return values_; }          ///< [any]
+  const T* operator->() const { return &values_; }        ///< [any]
+
+  /// In code: `core.gains = {.kp = 2.0}`. If one of the fields is refused (element configured, out
+  /// of range), all keep their values, and the element's next configure() reports it.
+  Parameters& operator=(T values) {
+    bool good = true;
+    each([&](const auto& field, auto& property) {
+      Status done = good ? property.check(values.*(field.member)) : ok();
+      if (done) return;
+      good = false;
+      property.defer(std::move(done.error()));
+    });
+    if (good) values_ = std::move(values);
+    return *this;
+  }
+
+  /// The property of a listed field, for an error that names it:
+  /// `return mauve::invalid(gains[&Gains::kp], "must not be below ki");`
+  /// Throws for another field, which refuses the element in whose hook it happens.
+  template <typename Owner, typename F>
+  const PropertyBase& operator[](F Owner::*member) const {
+    const PropertyBase* found = nullptr;
+    each([&](const auto& field, const PropertyBase& property) {
+      if (same(field.member, member)) found = &property;
+    });
+    if (found == nullptr) throw std::invalid_argument("this field is no listed parameter");
+    return *found;
+  }
+
+ private:
+  template <typename Owner, typename F>
+  void add(Configurable& owner, const Parameter<Owner, F>& field) {
+    properties_.push_back(
+        std::make_unique<detail::FieldProperty<F>>(owner, field, values_.*(field.member)));
+  }
+  template <typename Member>
+  static bool same(Member a, Member b) {
+    return a == b;
+  }
+  template <typename Member, typename Other>
+  static bool same(Member, Other) {
+    return false;
+  }
+  /// Calls visit(field, its property) in the order of the list.
+  template <typename Visit>
+  void each(const Visit& visit) const {
+    auto next = properties_.begin();
+    const auto one = [&]<typename Owner, typename F>(const Parameter<Owner, F>& field) {
+      visit(field, static_cast<detail::FieldProperty<F>&>(**next++));
+    };
+    std::apply([&](const auto&... fields) { (one(fields), ...); }, T::parameters());
+  }
+
+  T values_;
+  std::vector<std::unique_ptr<PropertyBase>> properties_;  // as listed
+};
 
 }  // namespace mauve

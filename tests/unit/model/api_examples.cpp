@@ -97,6 +97,27 @@ class Halt final : public DriveCore {
 };
 //! [Stateless]
 
+//! [Parameters]
+struct Gains {
+  double kp = 1.0;  // the default of property core.kp
+  double ki = 0.0;
+
+  static auto parameters() {
+    using mauve::parameter;
+    return std::tuple{
+        parameter("kp", &Gains::kp, "of the error", {.unit = "1/s", .min = 0.0, .max = 9.0}),
+        parameter("ki", &Gains::ki, "of its sum", {.min = 0.0})};
+  }
+};
+
+class Tuned final : public mauve::Core<mauve::EmptyShell> {
+ public:
+  mauve::Parameters<Gains> gains{*this};
+
+  double output(double error, double sum) const { return gains->kp * error + gains->ki * sum; }
+};
+//! [Parameters]
+
 class ToGoal final : public DriveCore {
  public:
   //! [Property]
@@ -227,6 +248,13 @@ struct Robot : mauve::Architecture {
   }
 };
 //! [Architecture]
+
+TEST(ApiExamples, ParametersAreReadAsAStruct) {
+  mauve::CoreBench<mauve::EmptyShell, Tuned> bench;
+  bench.core().gains = {.kp = 2.0, .ki = 0.5};
+  ASSERT_TRUE(bench.configure());
+  EXPECT_EQ(bench.core().output(3.0, 4.0), 8.0);
+}
 
 TEST(ApiExamples, CoreBenchTestsACoreWithoutThreads) {
   //! [CoreBench]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include <mauve/property.h>
+#include <mauve/detail/property_base.h>
 
 namespace mauve {
 
