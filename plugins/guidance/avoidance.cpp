@@ -106,7 +106,7 @@ double way_round(const AvoidanceParameters& p, const View& view, double heading,
 /// Decides between GO and AVOID, at most once in a dwell time.
 void supervise(const AvoidanceParameters& p, const View& view, double dt, Guidance& state) {
   state.dwell += dt;
-  if (state.dwell < p.dwell) return;
+  if (state.dwell < std::chrono::duration<double>(p.dwell).count()) return;
   if (state.avoiding == 0 && must_avoid(p, view)) {
     state.avoiding = 1;
     state.side = rover::wrap(view.goal_bearing - view.in_the_way->bearing) < 0.0 ? -1 : 1;
@@ -137,7 +137,7 @@ Velocity avoid(const AvoidanceParameters& p, const Pose2D& pose, const Obstacles
   if (around && state.side == 0) state.side = 1;
   const double wanted = around ? way_round(p, view, pose.heading, state.side) : view.goal_bearing;
   const double error = rover::wrap(pose.heading - wanted);
-  const double speed = p.speed_max * std::min(1.0, std::sqrt(view.goal_range)) *
+  const double speed = p.speed * std::min(1.0, std::sqrt(view.goal_range)) *
                        std::max(0.0, std::cos(error)) * (around ? p.avoid_speed : 1.0);
   return {speed, turn_rate(error, p.heading)};
 }

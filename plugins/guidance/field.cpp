@@ -102,7 +102,7 @@ Velocity follow_field(const FieldParameters& p, const Pose2D& pose, const Obstac
   const double strength = std::hypot(force.x, force.y);
   if (strength < 1e-9) return {};
   const double error = rover::wrap(pose.heading - std::atan2(force.y, force.x));
-  const double speed = p.speed_max * std::min(1.0, strength) * std::max(0.0, std::cos(error));
+  const double speed = p.speed * std::min(1.0, strength) * std::max(0.0, std::cos(error));
   return {speed, turn_rate(error, p.heading)};
 }
 

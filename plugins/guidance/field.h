@@ -7,6 +7,10 @@
 /// extra input leaves them.
 #pragma once
 
+#include <tuple>
+
+#include <mauve/property.h>
+
 #include "guidance.h"
 #include "obstacles.h"
 
@@ -20,8 +24,24 @@ struct FieldParameters {
   double safety_distance = 0.6;    ///< r_s, nearest approach of the robot's centre
   double gain = 1.0;               ///< scales the pull
   double escape = 0.6;             ///< strength of the input that leaves saddles
-  double speed_max = 0.6;          ///< m/s
+  double speed = 0.6;              ///< m/s
   HeadingLaw heading;
+
+  static auto parameters() {
+    using P = FieldParameters;
+    using mauve::parameter;
+    return std::tuple{
+        parameter("gain", &P::gain, "strength of the pull", {.min = 0.01, .max = 10.0}),
+        parameter("nu", &P::nu, "inside it the pull fades", {.unit = "m", .min = 0.0}),
+        parameter("psi", &P::psi, "beyond it the pull is full", {.unit = "m", .min = 0.0}),
+        parameter("obstacle_distance", &P::obstacle_distance, "the push starts here",
+                  {.unit = "m", .min = 0.1, .max = 10.0}),
+        parameter("safety_distance", &P::safety_distance, "nearest approach",
+                  {.unit = "m", .min = 0.1, .max = 10.0}),
+        parameter("escape", &P::escape, "sideways input that leaves a dead end",
+                  {.min = 0.0, .max = 1.0}),
+        parameter("speed", &P::speed, "at most", {.unit = "m/s", .min = 0.0, .max = 2.0})};
+  }
 };
 
 /// The parameters with d >= 1.25 r_s and d / sqrt(3) <= r_s (else the barrier could be passed) and

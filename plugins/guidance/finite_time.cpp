@@ -10,37 +10,17 @@ namespace guidance {
 namespace {
 
 class FiniteTime final : public GuidanceCore {
-  mauve::Property<double> obstacle_distance{*this,
-                                            "obstacle_distance",
-                                            1.2,
-                                            "avoiding starts here",
-                                            {.unit = "m", .min = 0.1, .max = 10.0}};
-  mauve::Property<double> safety_distance{*this,
-                                          "safety_distance",
-                                          0.7,
-                                          "kept while going round",
-                                          {.unit = "m", .min = 0.1, .max = 10.0}};
-  mauve::Property<double> speed{
-      *this, "speed", 0.8, "at most", {.unit = "m/s", .min = 0.0, .max = 2.0}};
-  mauve::Property<mauve::Duration> dwell{
-      *this, "dwell", 500ms, "between two decisions", {.min = 0ms, .max = 10s}};
+  mauve::Parameters<AvoidanceParameters> law{*this};
 
   mauve::Status on_configure() override {
-    if (safety_distance >= obstacle_distance) {
-      return mauve::invalid(safety_distance, "must be below obstacle_distance");
-    }
-    law_.obstacle_distance = obstacle_distance;
-    law_.safety_distance = safety_distance;
-    law_.speed_max = speed;
-    law_.dwell = std::chrono::duration<double>(dwell.get()).count();
-    return mauve::ok();
+    if (law->safety_distance < law->obstacle_distance) return mauve::ok();
+    return mauve::invalid(law[&AvoidanceParameters::safety_distance],
+                          "must be below obstacle_distance");
   }
 
   Velocity steer(const Pose2D& pose, const Obstacles& obstacles, double dt) override {
-    return avoid(law_, pose, obstacles, dt, *state);
+    return avoid(law, pose, obstacles, dt, *state);
   }
-
-  AvoidanceParameters law_;
 };
 
 }  // namespace

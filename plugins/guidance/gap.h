@@ -7,6 +7,9 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <tuple>
+
+#include <mauve/property.h>
 
 #include "../types/scan.h"
 #include "guidance.h"
@@ -16,8 +19,17 @@ namespace guidance {
 struct GapParameters {
   double clearance = 0.6;  ///< half width of a way that is good enough, m
   double horizon = 2.0;    ///< how far it must be free, m
-  double speed_max = 0.7;  ///< m/s
+  double speed = 0.7;      ///< m/s
   HeadingLaw heading;
+
+  static auto parameters() {
+    using P = GapParameters;
+    using mauve::parameter;
+    return std::tuple{
+        parameter("speed", &P::speed, "at most", {.unit = "m/s", .min = 0.0, .max = 2.0}),
+        parameter("clearance", &P::clearance, "half width of the way looked for",
+                  {.unit = "m", .min = 0.1, .max = 5.0})};
+  }
 };
 
 /// How far one can go in a direction before a corridor of that half width meets a return. [rt]
@@ -58,7 +70,7 @@ struct GapParameters {
   for (int i = -kSide; i <= kSide; ++i) consider(kStep * i);
   const double error = rover::wrap(-best);
   const double ahead = free_along(scan, 0.0, 0.4, p.horizon);
-  const double speed = p.speed_max * std::min(1.0, std::sqrt(distance(pose, state.goal))) *
+  const double speed = p.speed * std::min(1.0, std::sqrt(distance(pose, state.goal))) *
                        std::max(0.0, std::cos(error)) * std::clamp(ahead - 0.3, 0.0, 1.0);
   return {speed, turn_rate(error, p.heading)};
 }

@@ -11,27 +11,13 @@ namespace guidance {
 namespace {
 
 class WidestGap final : public GuidanceCore {
-  mauve::Property<double> speed{
-      *this, "speed", 0.7, "at most", {.unit = "m/s", .min = 0.0, .max = 2.0}};
-  mauve::Property<double> clearance{*this,
-                                    "clearance",
-                                    0.6,
-                                    "half width of the way looked for",
-                                    {.unit = "m", .min = 0.1, .max = 5.0}};
-
-  mauve::Status on_configure() override {
-    law_.speed_max = speed;
-    law_.clearance = clearance;
-    return mauve::ok();
-  }
+  mauve::Parameters<GapParameters> law{*this};
 
   Velocity steer(const Pose2D& pose, const Obstacles& /*obstacles*/, double /*dt*/) override {
     Velocity wanted;
-    look_at_scan([&](const LaserScan& scan) { wanted = follow_gap(law_, pose, scan, *state); });
+    look_at_scan([&](const LaserScan& scan) { wanted = follow_gap(law, pose, scan, *state); });
     return wanted;
   }
-
-  GapParameters law_;
 };
 
 }  // namespace

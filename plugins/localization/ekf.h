@@ -9,6 +9,9 @@
 
 #include <array>
 #include <cstdint>
+#include <tuple>
+
+#include <mauve/property.h>
 
 #include "../types/imu.h"
 #include "../types/motion.h"
@@ -41,6 +44,46 @@ struct Parameters {
   double gate = 1.0;            ///< times the chi-square limits of 99 %; 0: no gate
   int reacquire_after = 10;     ///< consistent positions outside the gate in a row; 0: never
   double align_distance = 1.5;  ///< m, at least, from which the heading is derived
+
+  static auto parameters() {
+    using P = Parameters;
+    using mauve::parameter;
+    return std::tuple{
+        parameter("acceleration", &P::acceleration, "unknown",
+                  {.unit = "m/s2/sqrt(Hz)", .min = 1e-3, .max = 100.0}),
+        parameter("turn_acceleration", &P::turn_acceleration, "unknown",
+                  {.unit = "rad/s2/sqrt(Hz)", .min = 1e-3, .max = 100.0}),
+        parameter("slip", &P::slip, "of the place", {.unit = "m/sqrt(m)", .min = 0.0, .max = 10.0}),
+        parameter("heading_slip", &P::heading_slip, "of the heading",
+                  {.unit = "rad/sqrt(m)", .min = 0.0, .max = 1.0}),
+        parameter("twist_linear", &P::twist_linear, "deviation of a speed",
+                  {.unit = "m/s", .min = 1e-4, .max = 100.0}),
+        parameter("twist_angular", &P::twist_angular, "deviation of a turn rate of the wheels",
+                  {.unit = "rad/s", .min = 1e-4, .max = 100.0}),
+        parameter("gyroscope", &P::gyroscope, "deviation of its turn rate",
+                  {.unit = "rad/s", .min = 1e-5, .max = 10.0}),
+        parameter("gyro_bias", &P::gyro_bias, "deviation at first",
+                  {.unit = "rad/s", .min = 0.0, .max = 1.0}),
+        parameter("compass", &P::compass, "deviation of its heading",
+                  {.unit = "rad", .min = 1e-4, .max = 3.0}),
+        parameter("scale", &P::scale,
+                  "deviation of the share that the wheels say too much; 0: they are right",
+                  {.min = 0.0, .max = 0.5}),
+        parameter("turn_scale", &P::turn_scale, "the same of turn rates", {.min = 0.0, .max = 0.5}),
+        parameter("curvature", &P::curvature,
+                  "deviation of the turn that the wheels say too much; 0: they are right",
+                  {.unit = "rad/m", .min = 0.0, .max = 1.0}),
+        parameter("position", &P::position, "deviation of a pose that does not say its own",
+                  {.unit = "m", .min = 1e-3, .max = 1e4}),
+        parameter("antenna", &P::antenna, "in the robot's frame, m"),
+        parameter("gate", &P::gate, "times the chi-square limit of 99 %; 0: everything is believed",
+                  {.min = 0.0, .max = 100.0}),
+        parameter("reacquire_after", &P::reacquire_after,
+                  "poses outside the gate that agree; 0: never", {.min = 0, .max = 100'000}),
+        parameter("align_distance", &P::align_distance,
+                  "driven at least before the heading is derived from poses",
+                  {.unit = "m", .min = 0.1, .max = 1e3})};
+  }
 };
 
 /// The share of positions outside the gate is looked at over so many.

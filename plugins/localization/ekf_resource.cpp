@@ -11,27 +11,10 @@ using rover::MotionState;
 using rover::Pose2D;
 
 mauve::Status EkfCore::on_configure() {
-  Parameters p;
-  p.acceleration = acceleration;
-  p.turn_acceleration = turn_acceleration;
-  p.slip = slip;
-  p.heading_slip = heading_slip;
-  p.twist_linear = twist_linear;
-  p.twist_angular = twist_angular;
-  p.gyroscope = gyroscope;
-  p.gyro_bias = gyro_bias;
-  p.compass = compass;
-  p.scale = scale;
-  p.turn_scale = turn_scale;
-  p.curvature = curvature;
-  p.position = position;
-  p.antenna = antenna;
-  p.gate = gate;
-  p.reacquire_after = reacquire_after;
-  p.align_distance = align_distance;
-  parameters_ = p;
-  localization::start(
-      start_known ? begin(p, start, start_deviation, start_heading_deviation) : begin(p), *memory_);
+  localization::start(start_known
+                          ? begin(parameters, start, start_deviation, start_heading_deviation)
+                          : begin(parameters),
+                      *memory_);
   return mauve::ok();
 }
 
@@ -56,7 +39,7 @@ void EkfCore::show_counts(double time) {
 }
 
 Estimate EkfCore::estimate_at(double time) {
-  Estimate estimate = predicted(parameters_, time, *memory_);
+  Estimate estimate = predicted(parameters, time, *memory_);
   if (!estimate.begun) estimate.time = time;
   return estimate;
 }

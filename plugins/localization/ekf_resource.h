@@ -58,73 +58,7 @@ class EkfCore final : public mauve::Core<mauve::EmptyShell> {
                                            0.05,
                                            "of the heading of the start",
                                            {.unit = "rad", .min = 0.0, .max = 0.8}};
-  Property<double> acceleration{
-      *this, "acceleration", 1.0, "unknown", {.unit = "m/s2/sqrt(Hz)", .min = 1e-3, .max = 100.0}};
-  Property<double> turn_acceleration{*this,
-                                     "turn_acceleration",
-                                     1.0,
-                                     "unknown",
-                                     {.unit = "rad/s2/sqrt(Hz)", .min = 1e-3, .max = 100.0}};
-  Property<double> slip{
-      *this, "slip", 0.02, "of the place", {.unit = "m/sqrt(m)", .min = 0.0, .max = 10.0}};
-  Property<double> heading_slip{*this,
-                                "heading_slip",
-                                0.005,
-                                "of the heading",
-                                {.unit = "rad/sqrt(m)", .min = 0.0, .max = 1.0}};
-  Property<double> twist_linear{*this,
-                                "twist_linear",
-                                0.05,
-                                "deviation of a speed",
-                                {.unit = "m/s", .min = 1e-4, .max = 100.0}};
-  Property<double> twist_angular{*this,
-                                 "twist_angular",
-                                 0.05,
-                                 "deviation of a turn rate of the wheels",
-                                 {.unit = "rad/s", .min = 1e-4, .max = 100.0}};
-  Property<double> gyroscope{*this,
-                             "gyroscope",
-                             0.01,
-                             "deviation of its turn rate",
-                             {.unit = "rad/s", .min = 1e-5, .max = 10.0}};
-  Property<double> gyro_bias{
-      *this, "gyro_bias", 0.02, "deviation at first", {.unit = "rad/s", .min = 0.0, .max = 1.0}};
-  Property<double> compass{
-      *this, "compass", 0.05, "deviation of its heading", {.unit = "rad", .min = 1e-4, .max = 3.0}};
-  Property<double> scale{*this,
-                         "scale",
-                         0.02,
-                         "deviation of the share that the wheels say too much; 0: they are right",
-                         {.min = 0.0, .max = 0.5}};
-  Property<double> turn_scale{
-      *this, "turn_scale", 0.05, "the same of turn rates", {.min = 0.0, .max = 0.5}};
-  Property<double> curvature{
-      *this,
-      "curvature",
-      0.003,
-      "deviation of the turn that the wheels say too much; 0: they are right",
-      {.unit = "rad/m", .min = 0.0, .max = 1.0}};
-  Property<double> position{*this,
-                            "position",
-                            2.5,
-                            "deviation of a pose that does not say its own",
-                            {.unit = "m", .min = 1e-3, .max = 1e4}};
-  Property<rover::Point2D> antenna{*this, "antenna", {}, "in the robot's frame, m"};
-  Property<double> gate{*this,
-                        "gate",
-                        1.0,
-                        "times the chi-square limit of 99 %; 0: everything is believed",
-                        {.min = 0.0, .max = 100.0}};
-  Property<int> reacquire_after{*this,
-                                "reacquire_after",
-                                10,
-                                "poses outside the gate that agree; 0: never",
-                                {.min = 0, .max = 100'000}};
-  Property<double> align_distance{*this,
-                                  "align_distance",
-                                  1.5,
-                                  "driven at least before the heading is derived from poses",
-                                  {.unit = "m", .min = 0.1, .max = 1e3}};
+  mauve::Parameters<Parameters> parameters{*this};
   Property<double> window{*this,
                           "window",
                           0.5,
@@ -158,13 +92,11 @@ class EkfCore final : public mauve::Core<mauve::EmptyShell> {
   void take(T measurement) {
     const double time = now();
     if (measurement.time == 0.0) measurement.time = time;
-    add(parameters_, measurement, time, window, *memory_);
+    add(parameters, measurement, time, window, *memory_);
     show_counts(time);
   }
   void show_counts(double time);
   Estimate estimate_at(double time);
-
-  Parameters parameters_;
 };
 
 struct EkfInterface : mauve::Interface<EkfCore> {

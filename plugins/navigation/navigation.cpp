@@ -121,7 +121,7 @@ bool Navigation::look_at_map() {
     if (map_seen_ && time == map_time_) return;
     map_seen_ = adopted = true;
     map_time_ = time;
-    planner_->set_map(grid, {keep_away, through_unknown});
+    planner_->set_map(grid, limits);
   }));
   return adopted;
 }

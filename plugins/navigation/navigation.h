@@ -59,13 +59,7 @@ class Navigation final : public mauve::Core<NavigationShell> {
 
  private:
   mauve::State<Route> state{*this};
-  mauve::Property<double> keep_away{*this,
-                                    "keep_away",
-                                    0.45,
-                                    "from what is occupied: the robot's radius and a margin",
-                                    {.unit = "m", .min = 0.0, .max = 5.0}};
-  mauve::Property<bool> through_unknown{*this, "through_unknown", false,
-                                        "drive where the map knows nothing"};
+  mauve::Parameters<PlannerLimits> limits{*this};
   mauve::Property<double> tolerance{
       *this, "tolerance", 0.25, "arrived when this near", {.unit = "m", .min = 0.01, .max = 10.0}};
   mauve::Property<double> reach{*this,

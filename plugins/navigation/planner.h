@@ -12,7 +12,10 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <tuple>
 #include <vector>
+
+#include <mauve/property.h>
 
 #include "distance.h"
 #include "grid_frame.h"
@@ -24,6 +27,15 @@ using rover::Path;
 struct PlannerLimits {
   double keep_away = 0.45;       ///< m from what is occupied: the robot's radius and a margin
   bool through_unknown = false;  ///< unknown cells are driven through; else they are as occupied
+
+  static auto parameters() {
+    using mauve::parameter;
+    return std::tuple{parameter("keep_away", &PlannerLimits::keep_away,
+                                "from what is occupied: the robot's radius and a margin",
+                                {.unit = "m", .min = 0.0, .max = 5.0}),
+                      parameter("through_unknown", &PlannerLimits::through_unknown,
+                                "drive where the map knows nothing")};
+  }
 };
 
 enum class Answer : std::uint8_t {

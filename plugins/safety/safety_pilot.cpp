@@ -49,14 +49,14 @@ class Pilot final : public mauve::Core<PilotShell> {
     bool sees = false;
     const mauve::DataStatus seen = shell().scan.look([&](const LaserScan& scan) {
       sees = !safety::blind(scan);
-      free_way = safety::free_way(scan, half_width);
+      free_way = safety::free_way(scan, limits->half_width);
     });
     if (has_value(seen) && !sees) ++blind_scans;
     report(has_value(seen) && !sees);
     const bool fresh = has_value(seen) && seen != mauve::DataStatus::stale &&
                        (scan_timeout.get() == 0ms || shell().scan.age() <= scan_timeout.get());
     if (!fresh || !sees) free_way = 0.0;
-    const Zone now = next_zone(Zone{state->zone}, free_way, limits_);
+    const Zone now = next_zone(Zone{state->zone}, free_way, limits);
     state->zone = static_cast<std::uint8_t>(now);
     zone = static_cast<int>(state->zone);
   }
@@ -70,23 +70,7 @@ class Pilot final : public mauve::Core<PilotShell> {
 
  private:
   mauve::State<PilotState> state{*this};
-  mauve::Property<double> stop_distance{*this,
-                                        "stop_distance",
-                                        1.0,
-                                        "no forward speed nearer than",
-                                        {.unit = "m", .min = 0.0, .max = 50.0}};
-  mauve::Property<double> slow_distance{*this,
-                                        "slow_distance",
-                                        3.0,
-                                        "half speed nearer than",
-                                        {.unit = "m", .min = 0.0, .max = 50.0}};
-  mauve::Property<double> half_width{*this,
-                                     "half_width",
-                                     0.35,
-                                     "of the corridor that is watched",
-                                     {.unit = "m", .min = 0.01, .max = 10.0}};
-  mauve::Property<double> hysteresis{
-      *this, "hysteresis", 0.1, "share beyond which a zone is left", {.min = 0.0, .max = 1.0}};
+  mauve::Parameters<Limits> limits{*this};
   mauve::Property<mauve::Duration> scan_timeout{*this,
                                                 "scan_timeout",
                                                 500ms,
@@ -99,11 +83,8 @@ class Pilot final : public mauve::Core<PilotShell> {
   mauve::Observable<int> zone{*this, "zone", 0, "0 clear, 1 slow, 2 stop"};
 
   mauve::Status on_configure() override {
-    if (slow_distance < stop_distance) {
-      return mauve::invalid(slow_distance, "must not be below stop_distance");
-    }
-    limits_ = {stop_distance, slow_distance, half_width, hysteresis};
-    return mauve::ok();
+    if (limits->slow_distance >= limits->stop_distance) return mauve::ok();
+    return mauve::invalid(limits[&Limits::slow_distance], "must not be below stop_distance");
   }
 
   void report(bool blind) {
@@ -127,7 +108,6 @@ class Pilot final : public mauve::Core<PilotShell> {
     shell().safe_command.write(usable ? limited(wanted, zone_now) : Velocity{});
   }
 
-  Limits limits_;
   rover::Condition reported_blind_{false};
 };
 

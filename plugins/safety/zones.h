@@ -3,6 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <tuple>
+
+#include <mauve/property.h>
 
 #include "../types/scan.h"
 #include "../types/velocity.h"
@@ -22,6 +25,19 @@ struct Limits {
   double slow_distance = 3.0;
   double half_width = 0.35;  ///< of the corridor that the robot sweeps
   double hysteresis = 0.1;   ///< a zone is left only when the way is free by this share more
+
+  static auto parameters() {
+    using mauve::parameter;
+    return std::tuple{
+        parameter("stop_distance", &Limits::stop_distance, "no forward speed nearer than",
+                  {.unit = "m", .min = 0.0, .max = 50.0}),
+        parameter("slow_distance", &Limits::slow_distance, "half speed nearer than",
+                  {.unit = "m", .min = 0.0, .max = 50.0}),
+        parameter("half_width", &Limits::half_width, "of the corridor that is watched",
+                  {.unit = "m", .min = 0.01, .max = 10.0}),
+        parameter("hysteresis", &Limits::hysteresis, "share beyond which a zone is left",
+                  {.min = 0.0, .max = 1.0})};
+  }
 };
 
 /// Range of the nearest return in the corridor ahead; range_max when there is none. [rt]

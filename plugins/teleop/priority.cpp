@@ -23,7 +23,6 @@ namespace teleop {
 namespace {
 
 using rover::Velocity;
-using namespace std::chrono_literals;  // NOLINT: durations of properties
 
 struct PriorityShell : mauve::Shell {};
 
@@ -35,18 +34,10 @@ class Priority final : public mauve::Core<PriorityShell> {
 
  private:
   mauve::State<Sources> state{*this};
-  mauve::Property<mauve::Duration> teleop_timeout{
-      *this, "teleop_timeout", 200ms, "then `teleop` counts as silent", {.min = 1ms, .max = 10s}};
-  mauve::Property<mauve::Duration> command_timeout{
-      *this, "command_timeout", 200ms, "then `command` counts as silent", {.min = 1ms, .max = 10s}};
+  mauve::Parameters<Timeouts> timeouts{*this};
   mauve::Observable<int> selected{*this, "selected", 0, "0 none, 1 command, 2 teleop"};
   mauve::Observable<std::uint64_t> take_overs{*this, "take_overs", 0, "times `teleop` took over"};
   mauve::Observable<std::uint64_t> refused{*this, "refused", 0, "velocities that were no numbers"};
-
-  mauve::Status on_configure() override {
-    timeouts_ = {teleop_timeout, command_timeout};
-    return mauve::ok();
-  }
 
   void take(Said& source, const Velocity& velocity) {
     if (!hear(source, velocity, mauve::job_time())) ++refused;
@@ -54,13 +45,11 @@ class Priority final : public mauve::Core<PriorityShell> {
   }
 
   Source look() {
-    const Source now = choose(*state, timeouts_, mauve::job_time());
+    const Source now = choose(*state, timeouts, mauve::job_time());
     if (now == Source::teleop && selected != static_cast<int>(now)) ++take_overs;
     selected = static_cast<int>(now);
     return now;
   }
-
-  Timeouts timeouts_;
 };
 
 struct PriorityInterface : mauve::Interface<Priority> {

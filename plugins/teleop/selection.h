@@ -4,7 +4,9 @@
 
 #include <cstdint>
 #include <optional>
+#include <tuple>
 
+#include <mauve/property.h>
 #include <mauve/time.h>
 
 #include "../types/velocity.h"
@@ -25,6 +27,16 @@ struct Said {
 struct Timeouts {
   mauve::Duration teleop{200'000'000};
   mauve::Duration command{200'000'000};
+
+  static auto parameters() {
+    using mauve::parameter;
+    const mauve::Limits<mauve::Duration> limits{.min = std::chrono::milliseconds(1),
+                                                .max = std::chrono::seconds(10)};
+    return std::tuple{parameter(/*of teleop*/ "teleop_timeout", &Timeouts::teleop,
+                                "then `teleop` counts as silent", limits),
+                      parameter(/*of command*/ "command_timeout", &Timeouts::command,
+                                "then `command` counts as silent", limits)};
+  }
 };
 
 /// All sources; what the priority resource hands over in a change.

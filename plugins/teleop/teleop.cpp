@@ -32,8 +32,6 @@ namespace {
 using rover::Joystick;
 using rover::Velocity;
 
-constexpr int kLastAxis = static_cast<int>(Joystick::kAxes) - 1;
-
 struct TeleopShell : mauve::Shell {
   mauve::WritePort<Velocity> velocity{*this, "velocity", mauve::Safe{Velocity{}}};
 };
@@ -41,7 +39,7 @@ struct TeleopShell : mauve::Shell {
 class Teleop final : public mauve::Core<TeleopShell> {
  public:
   void joystick(const Joystick& now) {
-    const std::optional<Velocity> wanted = steer(now, controls_);
+    const std::optional<Velocity> wanted = steer(now, controls);
     if (wanted) {
       state->steering = true;
       ++commands;
@@ -55,33 +53,9 @@ class Teleop final : public mauve::Core<TeleopShell> {
 
  private:
   mauve::State<TeleopState> state{*this};
-  mauve::Property<int> linear_axis{
-      *this, "linear_axis", 1, "axis that drives forward", {.min = 0, .max = kLastAxis}};
-  mauve::Property<int> angular_axis{
-      *this, "angular_axis", 0, "axis that turns", {.min = 0, .max = kLastAxis}};
-  mauve::Property<double> dead_zone{*this,
-                                    "dead_zone",
-                                    0.1,
-                                    "share of an axis that counts as its middle",
-                                    {.min = 0.0, .max = 0.9}};
-  mauve::Property<double> max_linear{
-      *this, "max_linear", 0.5, "at a full axis", {.unit = "m/s", .min = 0.0, .max = 20.0}};
-  mauve::Property<double> max_angular{
-      *this, "max_angular", 1.0, "at a full axis", {.unit = "rad/s", .min = 0.0, .max = 20.0}};
-  mauve::Property<int> dead_man{*this,
-                                "dead_man",
-                                0,
-                                "button to hold while steering; -1: none, moving an axis steers",
-                                {.min = -1, .max = 31}};
+  mauve::Parameters<Controls> controls{*this};
   mauve::Observable<bool> steering{*this, "steering", false, "somebody steers"};
   mauve::Observable<std::uint64_t> commands{*this, "commands", 0, "velocities written"};
-
-  mauve::Status on_configure() override {
-    controls_ = {linear_axis, angular_axis, dead_zone, max_linear, max_angular, dead_man};
-    return mauve::ok();
-  }
-
-  Controls controls_;
 };
 
 struct TeleopInterface : mauve::Interface<Teleop> {

@@ -37,14 +37,14 @@ inline drive::Law field() {
   guidance::FieldParameters p;
   p.obstacle_distance = kDoorObstacle;
   p.safety_distance = kDoorSafety;
-  p.speed_max = kSpeed;
+  p.speed = kSpeed;
   return drive::field(p);
 }
 inline drive::Law finite_time() {
   guidance::AvoidanceParameters p;
   p.obstacle_distance = kDoorObstacle;
   p.safety_distance = kDoorSafety;
-  p.speed_max = kSpeed;
+  p.speed = kSpeed;
   return drive::finite_time(p);
 }
 

@@ -66,17 +66,7 @@ class CreateOi final : public BaseCore {
                             115'200,
                             "speed of the line; 0 leaves it alone",
                             {.unit = "1/s", .min = 0, .max = 921'600}};
-  mauve::Property<double> wheel_diameter{
-      *this, "wheel_diameter", Wheels{}.diameter, "", {.unit = "m", .min = 0.01, .max = 1.0}};
-  mauve::Property<double> wheel_base{
-      *this, "wheel_base", Wheels{}.base, "between them", {.unit = "m", .min = 0.05, .max = 2.0}};
-  mauve::Property<double> counts{
-      *this, "counts", Wheels{}.counts, "of an encoder in a turn", {.min = 1.0, .max = 10'000.0}};
-  mauve::Property<double> speed_max{*this,
-                                    "speed_max",
-                                    Wheels{}.speed_max,
-                                    "of a wheel",
-                                    {.unit = "m/s", .min = 0.0, .max = 0.5}};
+  mauve::Parameters<Wheels> wheels{*this};
   mauve::Property<mauve::Duration> command_timeout{
       *this, "command_timeout", 500ms, "an older command counts as none", {.min = 1ms, .max = {}}};
   mauve::Property<mauve::Duration> answer_timeout{
@@ -96,7 +86,6 @@ class CreateOi final : public BaseCore {
                                   "1 right bumper, 2 left, 4 right wheel dropped, 8 left"};
 
   mauve::Status on_configure() override {
-    wheels_ = {wheel_diameter, wheel_base, counts, speed_max};
     const auto standing = create::drive_text(0, 0);
     line_.guard(stand, {.bytes = {standing.data(), standing.size()}, .times = 3, .apart = 20ms});
     return line_.open(device, baud, SerialPort::Use::both);
@@ -118,7 +107,7 @@ class CreateOi final : public BaseCore {
     const mauve::Instant now = mauve::job_time();
     if (heard_ == 0) heard_ = now;  // the first job after a change
     if (read_reports(now)) publish(now);
-    send_speeds(wheel_speeds(wanted(), wheels_));
+    send_speeds(wheel_speeds(wanted(), wheels));
     silent_ = now - heard_ >= answer_timeout.get().count();
     if (silent_) ++timeouts;
   }
@@ -157,7 +146,7 @@ class CreateOi final : public BaseCore {
     const double streamed = (damaged_ + 1) * create::kStreamPeriod;
     const double passed = static_cast<double>(now - heard_) * 1e-9 - kUnderWay;
     const auto step =
-        state->wheels.advance(report.left, report.right, std::max(streamed, passed), wheels_);
+        state->wheels.advance(report.left, report.right, std::max(streamed, passed), wheels);
     damaged_ = 0;
     heard_ = now;
     ++frames;
@@ -201,7 +190,6 @@ class CreateOi final : public BaseCore {
   }
 
   DeviceLine line_{device_errors, reopened, received};
-  Wheels wheels_;
   mauve::Instant heard_ = 0;  // begin of the job that read the last report
   int damaged_ = 0;           // frames since that report
   bool followed_ = false;

@@ -5,6 +5,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
+
+#include <mauve/property.h>
 
 #include "../../types/pose.h"
 #include "../../types/velocity.h"
@@ -20,6 +23,18 @@ struct Wheels {
 
   /// Metres in one count. [any]
   [[nodiscard]] double step() const;
+
+  static auto parameters() {
+    using mauve::parameter;
+    return std::tuple{parameter(/*of a wheel*/ "wheel_diameter", &Wheels::diameter, "",
+                                {.unit = "m", .min = 0.01, .max = 1.0}),
+                      parameter(/*of wheels*/ "wheel_base", &Wheels::base, "between them",
+                                {.unit = "m", .min = 0.05, .max = 2.0}),
+                      parameter("counts", &Wheels::counts, "of an encoder in a turn",
+                                {.min = 1.0, .max = 10'000.0}),
+                      parameter("speed_max", &Wheels::speed_max, "of a wheel",
+                                {.unit = "m/s", .min = 0.0, .max = 0.5})};
+  }
 };
 
 /// m/s.

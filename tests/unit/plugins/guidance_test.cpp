@@ -194,7 +194,7 @@ TEST(FiniteTime, DoesNotAvoidWhatStandsBesideTheWay) {
       guidance::avoid({}, {}, at({{0.9, 1.0}, {0.8, -1.2}, {0.5, 2.0}}), kStep, state);
 
   EXPECT_EQ(state.avoiding, 0);
-  EXPECT_DOUBLE_EQ(command.linear, AvoidanceParameters{}.speed_max);
+  EXPECT_DOUBLE_EQ(command.linear, AvoidanceParameters{}.speed);
   EXPECT_DOUBLE_EQ(command.angular, 0.0);
 }
 
@@ -241,7 +241,7 @@ TEST(Aim, ChoosesTheWayRoundAnewForAnotherGoalOnly) {
 
   EXPECT_EQ(state.avoiding, 0);
   EXPECT_EQ(state.side, 0);
-  EXPECT_GT(state.dwell, AvoidanceParameters{}.dwell);
+  EXPECT_GT(state.dwell, std::chrono::duration<double>(AvoidanceParameters{}.dwell).count());
 }
 
 TEST(FiniteTime, WaitsTheDwellTimeBeforeItDecidesAgain) {
