@@ -19,11 +19,13 @@ import sys
 
 from declarations import functions_of
 from layers import INCLUDE, layer_of, resolve, sources
+from lines import TOKENS
 
 INCLUDE_DEPTH = 12
 CLASS_FUNCTIONS = 25
 PARAMETERS = 6
 FOLDER_FILES = 25
+PLUGIN_LINES = 50  # a goal for the median; no budget
 
 # Layer: the depth that its files reach today.
 DEEP_LAYERS = {}
@@ -94,6 +96,16 @@ STRAYS = {
     "plugins/navigation/pgm.cpp": 1,
 }
 
+# Registers a core, component or resource, or is the class of a core that another source registers.
+KIND = re.compile(r"\bplugin\.(?:core|component|resource)<|\b(?:class|struct) \w+ final : public [\w:]*(?:Core|Driver)\b")
+CLASS = re.compile(r"^\s*(?:class|struct) \w+[^;]*?\{", re.MULTILINE)
+
+
+def lines_of_code(text):
+    """How many lines hold more than a comment or nothing."""
+    bare = TOKENS.sub(lambda match: "" if match[0].startswith("/") else match[0], text)
+    return sum(bool(line.strip()) for line in bare.split("\n"))
+
 
 class Tree:
     """The product's sources below a folder: their texts, includes and functions."""
@@ -138,6 +150,17 @@ class Tree:
     @functools.cached_property
     def folders(self):
         return collections.Counter(str(pathlib.PurePosixPath(path).parent) for path in self.text)
+
+    @functools.cached_property
+    def plugin_sizes(self):
+        """Source without ending: lines of code, for each source below plugins/ that defines a kind of component or
+        resource, or a core; the header of the same name counts with it. A mere list of registrations does not count."""
+        groups = collections.defaultdict(list)
+        for path, text in self.text.items():
+            if path.startswith("plugins/"):
+                groups[str(pathlib.PurePosixPath(path).with_suffix(""))].append(text)
+        return {name: sum(map(lines_of_code, texts)) for name, texts in groups.items()
+                if any(map(KIND.search, texts)) and any(map(CLASS.search, texts))}
 
     @functools.cached_property
     def definitions(self):
@@ -239,6 +262,8 @@ def figures(tree):
     spread("parameters of a function",
            [function.parameters for functions in tree.functions.values() for function in functions], PARAMETERS)
     spread("files of a folder", tree.folders.values(), FOLDER_FILES)
+    if tree.plugin_sizes:
+        spread("lines of code of a shipped plugin, its header included", tree.plugin_sizes.values(), PLUGIN_LINES)
     for room in ("", "libruntime", "libruntime/exec", "daemon", "ctl", "plugins"):
         total = sum(path.startswith(room) for path, _, _ in tree.definitions)
         strays = sum(path.startswith(room) for path, _, _ in tree.strays)

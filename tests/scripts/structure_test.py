@@ -134,6 +134,17 @@ class Figures(unittest.TestCase):
         self.assertIn("functions of a class: median 2, largest 2, 0 of 1 over 25", output.getvalue())
         self.assertIn("header's, all: 1 of 1, 100.0 %", output.getvalue())
 
+    def test_count_lines_of_code_of_each_plugin_with_its_header(self):
+        files = {"plugins/a/one.h": "// a comment\nstruct OneShell : mauve::Shell {\n};\n",
+                 "plugins/a/one.cpp": '#include "one.h"\n\n/* two\nlines */\nvoid declare(mauve::Plugin& plugin) {\n'
+                                      '  plugin.core<One>("one");  // it\n}\n',
+                 "plugins/a/two.h": "class Two final : public GuidanceCore {\n};\n",
+                 "plugins/a/list.cpp": 'MAUVE_PLUGIN(plugin) { plugin.core<Two>("two"); }\n',
+                 "plugins/a/field.h": "struct Field {\n};\n",
+                 "daemon/a.h": "class Other final : public Core {\n};\n"}
+        with tree_of(files) as tree:
+            self.assertEqual(tree.plugin_sizes, {"plugins/a/one": 6, "plugins/a/two": 2})
+
 
 if __name__ == "__main__":
     unittest.main()
