@@ -38,20 +38,12 @@ class CreateSim final : public mauve::Core<WheelsShell> {
     if (!streaming_) return;
     const create::Frame frame =
         create::frame_of({0, mode_, counted(left_counts_), counted(right_counts_)});
-    if (line_.send({frame.data(), frame.size()})) {
-      ++frames;
-    } else {
-      ++lost;
-    }
+    line.send({frame.data(), frame.size()}, frames, lost);
   }
 
  private:
   mauve::Stateless stateless{*this};
-  mauve::Property<std::string> line{*this,
-                                    "line",
-                                    "pty:base",
-                                    "serial device to make: pty:NAME, or a path of your choice",
-                                    {.within = "pty:"}};
+  SimulatedLine line{*this, "line", "pty:base"};
   mauve::Property<mauve::Duration> step{*this,
                                         "step",
                                         std::chrono::milliseconds(15),
@@ -68,13 +60,13 @@ class CreateSim final : public mauve::Core<WheelsShell> {
     streaming_ = false;
     speeds_ = {};
     left_counts_ = right_counts_ = 0.0;
-    return line_.open(line);
+    return line.open();
   }
-  void on_cleanup() override { line_.close(); }
+  void on_cleanup() override { line.close(); }
 
   void hear() {
     std::array<char, 512> bytes{};
-    const std::size_t count = line_.receive(bytes);
+    const std::size_t count = line.receive(bytes);
     for (std::size_t i = 0; i < count; ++i) {
       if (const auto command = heard_.push(bytes[i])) obey(*command);
     }
@@ -112,7 +104,6 @@ class CreateSim final : public mauve::Core<WheelsShell> {
     return static_cast<std::uint16_t>(std::llround(counts) & 0xffff);
   }
 
-  SimulatedLine line_;
   create::CommandReader heard_;
   create::Mode mode_ = create::Mode::off;
   bool streaming_ = false;

@@ -26,20 +26,17 @@ class ReceiverSim final : public mauve::Core<ReceiverShell> {
   void update() {
     const GnssFix fix = shell().antenna.read();
     if (!has_value(shell().antenna.status())) return;
-    if (ubx_ ? send_ubx(fix) : line_.send(writer_.compose(fix, 0.0, 0.0))) {
-      ++epochs;
+    if (ubx_) {
+      const auto frame = write_pvt(fix);
+      line.send({reinterpret_cast<const char*>(frame.data()), frame.size()}, epochs, lost);
     } else {
-      ++lost;
+      line.send(writer_.compose(fix, 0.0, 0.0), epochs, lost);
     }
   }
 
  private:
   mauve::Stateless stateless{*this};
-  mauve::Property<std::string> line{*this,
-                                    "line",
-                                    "pty:gnss",
-                                    "serial device to make: pty:NAME, or a path of your choice",
-                                    {.within = "pty:"}};
+  SimulatedLine line{*this, "line", "pty:gnss"};
   mauve::Property<std::string> protocol{*this, "protocol", "nmea",
                                         "nmea (GGA, GSA, RMC) or ubx (NAV-PVT)"};
   mauve::Observable<std::uint64_t> epochs{*this, "epochs", 0, "sent"};
@@ -49,16 +46,10 @@ class ReceiverSim final : public mauve::Core<ReceiverShell> {
     const std::string& named = protocol.get();
     if (named != "nmea" && named != "ubx") return mauve::invalid(protocol, "must be nmea or ubx");
     ubx_ = named == "ubx";
-    return line_.open(line);
+    return line.open();
   }
-  void on_cleanup() override { line_.close(); }
+  void on_cleanup() override { line.close(); }
 
-  bool send_ubx(const GnssFix& fix) {
-    const auto frame = write_pvt(fix);
-    return line_.send({reinterpret_cast<const char*>(frame.data()), frame.size()});
-  }
-
-  SimulatedLine line_;
   bool ubx_ = false;
   NmeaWriter writer_;
 };

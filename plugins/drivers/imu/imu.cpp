@@ -1,33 +1,15 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Component kind "drivers/imu": an inertial unit on a serial line, with the state machine of the
-/// satellite receiver (frame_driver.h). Core "drivers/imu_xbus": Xsens MTi, configured to send
-/// MTData2 with rate of turn, acceleration and, if its compass is of use, Euler angles, all as
+/// Core "drivers/imu_xbus" of component kind "drivers/imu": Xsens MTi, configured to send MTData2
+/// with rate of turn, acceleration and, if its compass is of use, Euler angles, all as
 /// single-precision "ENU". One write to port `imu` for each measurement, stamped with when it was
 /// measured if the unit sends its sample time, else with when it came. Acceleration is what the
 /// unit feels: on a slope a part of gravity is in it.
-#include "../../types/imu.h"
-
 #include "../parts.h"
-#include "../serial/frame_driver.h"
+#include "imu_driver.h"
 #include "xbus_frame.h"
 #include "xbus_imu.h"
 
 namespace drivers {
-
-struct ImuShell : mauve::Shell {
-  mauve::WritePort<rover::Imu> imu{*this, "imu"};
-};
-
-class ImuCore : public FrameCore<ImuShell> {
- public:
-  using Contract = ImuCore;
-  static constexpr const char* contract = "drivers/imu/1";
-
-  static constexpr std::chrono::milliseconds kWaitFrame{2};
-  static constexpr std::chrono::milliseconds kPeriod{10};
-  static constexpr const char* kDevice = "/dev/ttyUSB0";
-  static constexpr int kBaud = 115'200;
-};
 
 /// The state that survives a change: unused bytes, the frame begun, and the unit's clock.
 struct ImuLine {
@@ -81,7 +63,7 @@ class ImuXbus final : public FrameDriver<ImuCore, ImuLine> {
 
 void declare_imu(mauve::Plugin& plugin) {
   plugin.core<ImuXbus>("imu_xbus");
-  plugin.component<ImuShell, FrameFsm<ImuCore>>("imu", "imu_xbus");
+  plugin.component<ImuShell, ImuFsm>("imu", "imu_xbus");
 }
 
 }  // namespace drivers

@@ -25,27 +25,18 @@ class ImuSim final : public mauve::Core<ImuSimShell> {
     if (!has_value(shell().world.status())) return;
     const auto ticks = static_cast<std::uint32_t>(mauve::job_time() / 100'000);
     const Bytes frame = writer_.compose(imu, ticks);
-    if (line_.send({reinterpret_cast<const char*>(frame.data()), frame.size()})) {
-      ++sent;
-    } else {
-      ++lost;
-    }
+    line.send({reinterpret_cast<const char*>(frame.data()), frame.size()}, sent, lost);
   }
 
  private:
   mauve::Stateless stateless{*this};
-  mauve::Property<std::string> line{*this,
-                                    "line",
-                                    "pty:imu",
-                                    "serial device to make: pty:NAME, or a path of your choice",
-                                    {.within = "pty:"}};
+  SimulatedLine line{*this, "line", "pty:imu"};
   mauve::Observable<std::uint64_t> sent{*this, "sent", 0, "measurements"};
   mauve::Observable<std::uint64_t> lost{*this, "lost", 0, "not sent: nobody reads the line"};
 
-  mauve::Status on_configure() override { return line_.open(line); }
-  void on_cleanup() override { line_.close(); }
+  mauve::Status on_configure() override { return line.open(); }
+  void on_cleanup() override { line.close(); }
 
-  SimulatedLine line_;
   ImuWriter writer_;
 };
 

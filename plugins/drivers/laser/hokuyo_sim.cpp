@@ -34,11 +34,7 @@ class HokuyoSim final : public mauve::Core<ScannerShell> {
 
  private:
   mauve::Stateless stateless{*this};
-  mauve::Property<std::string> line{*this,
-                                    "line",
-                                    "pty:laser",
-                                    "serial device to make: pty:NAME, or a path of your choice",
-                                    {.within = "pty:"}};
+  SimulatedLine line{*this, "line", "pty:laser"};
   mauve::Property<int> turns{*this,
                              "turns",
                              2400,
@@ -51,17 +47,17 @@ class HokuyoSim final : public mauve::Core<ScannerShell> {
 
   mauve::Status on_configure() override {
     measuring_ = false;
-    return line_.open(line);
+    return line.open();
   }
-  void on_cleanup() override { line_.close(); }
+  void on_cleanup() override { line.close(); }
 
   void hear() {
     std::array<char, 256> bytes{};
-    const std::size_t count = line_.receive(bytes);
+    const std::size_t count = line.receive(bytes);
     for (std::size_t i = 0; i < count; ++i) {
       if (!heard_.push(bytes[i]) || heard_.too_long() || heard_.line().empty()) continue;
       ++requests;
-      line_.send(answer(heard_.line()));
+      line.send(answer(heard_.line()));
     }
   }
 
@@ -90,17 +86,12 @@ class HokuyoSim final : public mauve::Core<ScannerShell> {
     if (last >= count) return;
     const auto stamp = static_cast<std::uint32_t>(mauve::job_time() / 1'000'000);
     const std::span<const std::uint32_t> all(steps_);
-    if (line_.send(writer_.scan(wanted_, stamp, all.subspan(first, last - first + 1)))) {
-      ++scans;
-    } else {
-      ++lost;
-    }
+    line.send(writer_.scan(wanted_, stamp, all.subspan(first, last - first + 1)), scans, lost);
   }
 
   static constexpr std::uint32_t kNothing =
       65'533;  // what a UTM-30LX says when nothing is in sight
 
-  SimulatedLine line_;
   scip::TextReader heard_;
   scip::ReplyWriter writer_;
   scip::Limits limits_;

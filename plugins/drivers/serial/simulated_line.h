@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The far end of a line as a simulated device uses it: a pseudo-terminal, read and written by a
-/// thread of its own.
+/// thread of its own. It is a member of the core of the device, and a property names it.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+
+#include <mauve/observable.h>
+#include <mauve/property.h>
 
 #include "line_thread.h"
 #include "serial_port.h"
@@ -16,9 +21,15 @@ namespace drivers {
 
 class SimulatedLine {
  public:
+  using Counter = mauve::Observable<std::uint64_t>;
+
+  SimulatedLine(mauve::Configurable& device, std::string_view name, std::string line)
+      : line_(device, name, std::move(line),
+              "serial device to make: pty:NAME, or a path of your choice", {.within = "pty:"}) {}
+
   /// See PseudoTerminal. [factory]
-  mauve::Status open(const std::string& name) {
-    if (mauve::Status opened = terminal_.open(name); !opened) return opened;
+  mauve::Status open() {
+    if (mauve::Status opened = terminal_.open(line_); !opened) return opened;
     return thread_.start(terminal_, decltype(bytes_.ring)::kCapacity);
   }
   void close() {
@@ -28,6 +39,8 @@ class SimulatedLine {
 
   /// All of it, or nothing and false: nobody reads the line, and much waits already. [rt]
   bool send(std::string_view bytes) { return thread_.send(bytes); }
+  /// The same, and counts the text in one of the two. [rt]
+  void send(std::string_view bytes, Counter& sent, Counter& lost) { ++(send(bytes) ? sent : lost); }
   /// The bytes that the other end wrote, as far as they fit. [rt]
   [[nodiscard]] std::size_t receive(std::span<char> into) {
     thread_.fill(bytes_);
@@ -39,6 +52,7 @@ class SimulatedLine {
   }
 
  private:
+  mauve::Property<std::string> line_;
   PseudoTerminal terminal_;
   LineBytes bytes_;
   LineThread thread_;  // ends before both
