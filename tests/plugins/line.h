@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string_view>
+#include <tuple>
 
 #include <mauve/plugin.h>
 
@@ -19,7 +20,7 @@ struct Shell : mauve::Shell {
 #endif
 };
 
-/// Not described.
+/// Described, named or neither, as the build says. Both forms have one size.
 struct Sum {
 #ifdef LINE_OTHER_STATE
   double last = 0;
@@ -63,6 +64,16 @@ struct Fsm : mauve::Fsm<Core> {
 
 }  // namespace line
 
+#ifdef LINE_DESCRIBED
+template <>
+struct mauve::Described<line::Sum> {
+  static constexpr std::string_view name = "line_sum/1";
+  static constexpr auto fields() {
+    return std::tuple{mauve::field("count", &line::Sum::count),
+                      mauve::field("last", &line::Sum::last)};
+  }
+};
+#endif
 #ifdef LINE_VOUCHED
 template <>
 struct mauve::Described<line::Sum> {

@@ -11,6 +11,7 @@
 #include "exec/recovery/probation_period.h"
 #include "exec/swap/bystanders.h"
 #include "exec/swap/rewired.h"
+#include "exec/system/books.h"
 
 #include <mauve/fsm.h>
 #include <mauve/host/resource.h>
@@ -218,6 +219,13 @@ void adopt(Content& before, Content& heir, const std::vector<MemberRollback>& me
 std::vector<std::string> notes_of(const System& system, const Content& change) {
   MAUVE_ON_THREAD(control);
   std::vector<std::string> notes;
+  for (const PreparedMember& one : change.members) {
+    note_unexamined(one.component->name(), *one.base->core, *one.next->core, one.state, notes);
+  }
+  for (const PreparedResource& one : change.resources) {
+    if (one.parts.core == nullptr) continue;
+    note_unexamined(one.resource->name(), *one.base.core, *one.parts.core, one.state, notes);
+  }
   if (changes_modes_only(change)) return notes;
   for (const auto& one : system.probations) {
     if (one->reported() || !concerns(system, change, one->content())) continue;

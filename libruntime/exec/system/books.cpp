@@ -4,6 +4,7 @@
 #include "base/thread_role.h"
 
 #include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -44,6 +45,15 @@ void say_dropped(const CoreBase& from, const CoreBase& into, StatePolicy policy,
   for (const DataType* dropped : dropped_states(from, into, policy)) {
     row.dropped += (row.dropped.empty() ? "" : " and ") + dropped->name;
     row.dropped_bytes += dropped->size;
+  }
+}
+
+void note_unexamined(const std::string& at, const CoreBase& from, const CoreBase& into,
+                     StatePolicy policy, std::vector<std::string>& notes) {
+  for (const DataType* type : unexamined_states(from, into, policy)) {
+    notes.push_back(at + ": the state " + type->name + " (" + std::to_string(type->size) +
+                    " B) is kept as it is. Its description has no fields, so only "
+                    "its name and size were compared; --state drop would start it fresh");
   }
 }
 

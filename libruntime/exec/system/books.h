@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "exec/system/system.h"
@@ -33,6 +34,11 @@ void schedule(System& system, Deployed& deployed);
 /// Of states that no core took, in the receipt of a member.
 void say_dropped(const CoreBase& from, const CoreBase& into, StatePolicy policy,
                  MemberReceipt& row);
+
+/// One remark for each state of which the new core believes the author that its fields lie as in
+/// the core before.
+void note_unexamined(const std::string& at, const CoreBase& from, const CoreBase& into,
+                     StatePolicy policy, std::vector<std::string>& notes);
 
 /// Components get these fallback cores, and leave here those they had.
 void exchange_fallbacks(Architecture& architecture, std::vector<NewFallback>& fallbacks);

@@ -40,9 +40,9 @@ class StateBase : public Capsule {
 /// The data of a core that must survive a change. Declared as a member, one for each core, used as
 /// `state->goal` on the thread of the component [rt]. Cores that share the state type hand it over
 /// in a swap; one of another type says how it converts it (converts.h). Describe T, so that its
-/// layout is compared field by field: a state without description or name (type.h) is handed over
-/// within one build of its plugin only. Do not keep references into it: a swap exchanges the
-/// object. A change that would lose it is refused.
+/// layout is compared field by field. A state without description or name (type.h) is handed over
+/// within one build of its plugin only; a change notes a state with a name alone. Do not keep
+/// references into it: a swap exchanges the object. A change that would lose it is refused.
 /// @snippet api_examples.cpp State
 template <typename T>
 class State final : public StateBase {

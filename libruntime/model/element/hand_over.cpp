@@ -136,6 +136,20 @@ std::vector<const DataType*> dropped_states(const CoreBase& from, const CoreBase
   return dropped;
 }
 
+std::vector<const DataType*> unexamined_states(const CoreBase& from, const CoreBase& into,
+                                               StatePolicy policy) {
+  std::vector<const DataType*> unexamined;
+  const auto look = [&](const Capsule* old, const Capsule* place) {
+    if (old == nullptr || place == nullptr || !place->fits(*old)) return;
+    const bool one_build = &old->type() == &place->type();
+    if (!one_build && old->type().describe == nullptr) unexamined.push_back(&old->type());
+  };
+  if (&from == &into || policy == StatePolicy::drop) return unexamined;
+  look(from.state(), into.state());
+  look(from.slow_state(), into.slow_state());
+  return unexamined;
+}
+
 Status check_whole(const ResourceBase& from, StatePolicy policy) {
   if (policy == StatePolicy::drop || !from.lock().poisoned() || from.core().stateless()) {
     return ok();

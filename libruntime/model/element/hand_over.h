@@ -55,6 +55,12 @@ struct HandOver {
 [[nodiscard]] std::vector<const DataType*> dropped_states(const CoreBase& from,
                                                           const CoreBase& into, StatePolicy policy);
 
+/// The types of the states that go over as they are although nobody compared their fields: they
+/// come from another build, and their descriptions are a name alone.
+[[nodiscard]] std::vector<const DataType*> unexamined_states(const CoreBase& from,
+                                                             const CoreBase& into,
+                                                             StatePolicy policy);
+
 /// Before either: an error when `from` is poisoned and its state is not to be dropped. [any]
 [[nodiscard]] Status check_whole(const ResourceBase& from, StatePolicy policy);
 

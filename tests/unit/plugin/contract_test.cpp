@@ -145,5 +145,50 @@ TEST_F(ContractOfTwoPlugins, HandsOverAStateOfAnotherBuildForWhichItsAuthorVouch
   EXPECT_GT(count(), before);
 }
 
+TEST_F(ContractOfTwoPlugins, SaysThatOnlyTheNameOfAStateWithoutFieldsWasCompared) {
+  ASSERT_TRUE(swap_to("vouched", "counting"));
+  for (const char* build : {"vouched", "vouched_rebuilt", "vouched_other_state"}) {
+    const auto done = swap_to(build, "counting");
+    ASSERT_TRUE(done) << to_string(done.error());
+    ASSERT_EQ(done->notes.size(), 1u) << build;
+    EXPECT_THAT(done->notes[0], HasSubstr("unit: the state line_sum/1 (16 B) is kept as it is"));
+    EXPECT_THAT(done->notes[0], HasSubstr("only its name and size were compared"));
+  }
+}
+
+TEST_F(ContractOfTwoPlugins, SaysBeforeAChangeThatTheFieldsOfAStateAreNotCompared) {
+  ASSERT_TRUE(swap_to("vouched", "counting"));
+  folder_.put("line_vouched_rebuilt/line_core.so", "line_core.so");
+  ASSERT_TRUE(catalog_.reload("line_core"));
+  Edit edit;
+  edit.component = "unit";
+  edit.core = *catalog_.core("line_core/counting");
+  auto prepared = deployer_.prepare(Change{{edit}});
+
+  ASSERT_TRUE(prepared) << to_string(prepared.error());
+  const Receipt foreseen = deployer_.foresee(*prepared);
+
+  ASSERT_EQ(foreseen.notes.size(), 1u);
+  EXPECT_THAT(foreseen.notes[0], HasSubstr("only its name and size were compared"));
+  EXPECT_EQ(deployer_.generation(), 2u);
+}
+
+TEST_F(ContractOfTwoPlugins, ComparesTheFieldsOfADescribedStateOfEqualSize) {
+  ASSERT_TRUE(swap_to("described", "counting"));
+  const std::int64_t before = count();
+  const auto rebuilt = swap_to("described_rebuilt", "counting");
+  ASSERT_TRUE(rebuilt) << to_string(rebuilt.error());
+  EXPECT_THAT(rebuilt->notes, ::testing::IsEmpty());
+  EXPECT_GT(count(), before);
+
+  const auto done = swap_to("described_other_state", "counting");
+
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, Errc::type_mismatch);
+  EXPECT_THAT(done.error().message, HasSubstr("line_sum/1 (layout "));
+  EXPECT_THAT(done.error().message, HasSubstr("which it cannot convert"));
+  expect_still_runs(3);
+}
+
 }  // namespace
 }  // namespace mauve::plugin::test
