@@ -45,7 +45,7 @@ the running system: algorithms, parameters, wiring and code.")
 mauve_package(runtime misc "systemd | systemd-standalone-sysusers | systemd-sysusers"
   "real-time components that are changed while they run"
   "${what}\n.\nThis package has the daemon mauved, its guardian, the client mauvectl,\nand the service.")
-mauve_package(dev libdevel "${same_version}"
+mauve_package(dev libdevel "${same_version}, python3"
   "real-time components that are changed while they run - development"
   "${what}\n.\nThis package has the headers, the CMake package, and whole example projects\nfor authors of plugins.")
 mauve_package(plugins misc "${same_version}"
