@@ -47,6 +47,7 @@ TEST_F(Generations, AreNotStartedAfterAnUpgradeThatSomebodyElseMayHaveInvented) 
 
 TEST_F(Generations, OfAnUpgradeLeaveTheFileWhenNoneCanBeBuilt) {
   TrialDaemon daemon(kTrial, options());
+  ASSERT_EQ(daemon.ask("change.confirm")["saved"], true) << "it has just been started";
   static_cast<void>(place_.write("state/continue", ""));
   daemon.process().signal(SIGTERM);
   ASSERT_EQ(daemon.process().wait(), 0) << daemon.errors();
