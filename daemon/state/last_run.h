@@ -24,8 +24,8 @@ class LastRun {
   /// [any] The file `continue` is there: this start goes on with the last confirmed generation,
   /// although the run came to its end. An upgrade of the package leaves this file.
   [[nodiscard]] bool continues() const { return continues_; }
-  /// [any] What the run had started with when it crashed soon after that, while the machine ran on;
-  /// 0: nothing of that kind.
+  /// [any] The generation with which the run had started, if it crashed soon after its start while
+  /// the machine ran on; 0: no such crash.
   [[nodiscard]] std::uint64_t crashed_generation() const { return crashed_generation_; }
 
   /// started(), and the file `continue` goes: it is for one start. [main]

@@ -38,8 +38,8 @@ class StateStore {
   /// [any] The file `continue` is there: this start goes on with the last confirmed generation,
   /// although the run before it came to its end. An upgrade of the package leaves this file.
   [[nodiscard]] bool continues() const { return last_run_.continues(); }
-  /// [any] What it had started with when it crashed soon after that, while the machine ran on; 0:
-  /// nothing of that kind.
+  /// [any] The generation with which the run before had started, if it crashed soon after its start
+  /// while the machine ran on; 0: no such crash.
   [[nodiscard]] std::uint64_t crashed_generation() const { return last_run_.crashed_generation(); }
   /// From now on an end without end() or refused() is a crash of this generation (0: of the file).
   /// Removes the file `continue`, which is for one start. [main], before any code of a plugin runs
