@@ -202,7 +202,7 @@ TEST_F(WholeRoverWithRos, DrivesToAGoalThatRosbagPlaysAndIsRecordedByIt) {
   ASSERT_TRUE(within([&] { return number_of(rover, "goal.read.x") == 5.0; })) << player.output();
   EXPECT_TRUE(within([&] { return number_of(rover, "navigation.core.goals_reached") == 1; }))
       << rover.errors();
-  recorder.end();
+  ASSERT_TRUE(recorder.end_recording_to(drive));
 
   Rosbag info({"info", drive});
   ASSERT_TRUE(info.ended());

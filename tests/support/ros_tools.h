@@ -54,19 +54,24 @@ inline int free_port() {
   return ntohs(address.sin_port);
 }
 
-/// `rosbag` as a child. It works through one of its own, to which it hands SIGINT on: SIGKILL, the
-/// end of any other Process, would leave that behind.
+/// `rosbag` as a child. It works through a child of its own, to which it hands SIGINT on: SIGKILL,
+/// the end of any other Process, would leave that child behind.
 class Rosbag {
  public:
   explicit Rosbag(std::vector<std::string> words) : process_(with_tool(std::move(words))) {}
   ~Rosbag() { end(); }
-  /// A recording is complete then.
   void end() {
     process_.signal(SIGINT);
     EXPECT_TRUE(ended());
   }
   [[nodiscard]] bool ended() {
     return eventually([&] { return !process_.running(); }, kLong);
+  }
+  /// Ends a recording to `file`. `rosbag` itself ends as soon as it has handed SIGINT on; its child
+  /// writes on to FILE.active, and gives it its name when it is complete.
+  [[nodiscard]] bool end_recording_to(const std::filesystem::path& file) {
+    end();
+    return eventually([&] { return std::filesystem::exists(file); }, kLong);
   }
   [[nodiscard]] std::string output() { return process_.all_output(); }
 
