@@ -8,6 +8,7 @@
 #include <future>
 
 #include "monitor/disk_watch.h"
+#include "support/eventually.h"
 #include "support/temp_dir.h"
 
 namespace mauve::daemon {
@@ -90,6 +91,8 @@ TEST_F(StateStoreTest, ReportsADiskThatDoesNotAnswerAndItsReturnOnceEach) {
 
   answers.set_value();
   store->flush();
+  // The job of flush() itself is under way until a moment after its end is reported.
+  ASSERT_TRUE(test::eventually([&] { return !store->disk().busy_since(); }));
   look(after + 3 * DiskWatch::kSlow);
   look(after + 3 * DiskWatch::kSlow);
   EXPECT_EQ(reported(logging::Event::disk_answers), 1);
