@@ -17,9 +17,12 @@ class Locks : public Generations {
  protected:
   /// Each way under this lock: a way that the lock holds is refused and changes nothing.
   void walk(const std::string& lock) {
+    bool as_after_start = false;
     for (const Way& way : all_ways()) {
       SCOPED_TRACE(way.name + " (" + way.method + ") under lock " + lock);
-      ASSERT_NO_FATAL_FAILURE(begin_anew());
+      daemon_.ask("lock.set", {{"lock", "none"}});
+      if (!as_after_start) ASSERT_NO_FATAL_FAILURE(begin_anew());
+      as_after_start = is_held(way, lock) && way.before.empty();
       auto params = way.params;
       if (params.contains("generation")) params["generation"] = runs()["generation"];
       for (const auto& [method, asked] : way.before) {
@@ -67,7 +70,6 @@ class Locks : public Generations {
 
   /// As after the start, with nothing on probation.
   void begin_anew() {
-    daemon_.ask("lock.set", {{"lock", "none"}});
     daemon_.ask("change.confirm");
     const auto back =
         daemon_.ask("architecture.apply", {{"text", walked().dump()}, {"probation", "off"}});
