@@ -2,9 +2,11 @@
 #include "cli/client.h"
 
 #include <sys/un.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <utility>
 
 #include <boost/asio/io_context.hpp>
@@ -25,9 +27,6 @@ using protocol::ServerMessage;
 constexpr std::size_t kLongestAnswer = 64 * 1024 * 1024;
 constexpr std::size_t kLongestPath = sizeof(sockaddr_un::sun_path) - 1;
 
-constexpr std::string_view kHowToStart =
-    "start it (systemctl start mauved, or mauved ARCHITECTURE.json), or choose another --socket";
-
 Fault cannot_connect(const std::string& path, const error_code& error) {
   if (error == asio::error::no_permission || error == asio::error::access_denied) {
     return fault_of(refuse({Errc::not_permitted, "socket_not_permitted"}, path,
@@ -40,7 +39,7 @@ Fault cannot_connect(const std::string& path, const error_code& error) {
   } else if (error == asio::error::connection_refused) {
     message = "mauved does not run: nobody listens on the socket";
   }
-  return fault_of(protocol::kUnreachable, std::move(message), path, std::string(kHowToStart));
+  return fault_of(protocol::kUnreachable, std::move(message), path, how_to_reach(path));
 }
 
 bool speaks_our_version(const Json& greeting) {
@@ -50,6 +49,16 @@ bool speaks_our_version(const Json& greeting) {
 }
 
 }  // namespace
+
+std::string how_to_reach(const std::string& path, const std::string& service) {
+  if (path != service && (access(service.c_str(), F_OK) == 0 || errno == EACCES)) {
+    return "start a mauved of your own (mauved ARCHITECTURE.json), or ask that of the system "
+           "service: export MAUVE_SOCKET=" +
+           service;
+  }
+  return "start it (systemctl start mauved, or mauved ARCHITECTURE.json), or choose another "
+         "--socket";
+}
 
 struct Client::Connection {
   asio::io_context io;

@@ -10,12 +10,19 @@
 #include <variant>
 
 #include "protocol/message.h"
+#include "protocol/socket_path.h"
 
 namespace mauve::ctl {
 
 using protocol::Fault;
 using protocol::Json;
 using protocol::Notification;
+
+/// The hint of a client that finds no mauved at the socket `path`. Names the socket `service` of
+/// the system service when that exists, or may exist in a folder that this user may not read. A
+/// client never takes that socket by itself: its user may have meant another robot.
+[[nodiscard]] std::string how_to_reach(const std::string& path,
+                                       const std::string& service = protocol::kServiceSocket);
 
 class Client {
  public:

@@ -11,7 +11,7 @@ std::string default_socket_path() {
   const char* chosen = std::getenv("MAUVE_SOCKET");
   if (chosen != nullptr && *chosen != '\0') return chosen;
   const auto user = geteuid();
-  if (user == 0) return "/run/mauve/mauved.sock";
+  if (user == 0) return kServiceSocket;
   const char* runtime_dir = std::getenv("XDG_RUNTIME_DIR");
   const std::string base = runtime_dir != nullptr && *runtime_dir != '\0'
                                ? std::string(runtime_dir)

@@ -6,7 +6,10 @@
 
 namespace mauve::protocol {
 
-/// $MAUVE_SOCKET; for root /run/mauve/mauved.sock; else $XDG_RUNTIME_DIR/mauve/mauved.sock, and
+/// The socket of the mauved that systemd starts.
+inline constexpr const char* kServiceSocket = "/run/mauve/mauved.sock";
+
+/// $MAUVE_SOCKET; for root kServiceSocket; else $XDG_RUNTIME_DIR/mauve/mauved.sock, and
 /// /run/user/UID in place of a variable that is not set. Reads the environment: at start, one
 /// thread.
 [[nodiscard]] std::string default_socket_path();

@@ -4,8 +4,10 @@
 #include <chrono>
 #include <string>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/temp_dir.h"
 #include "unit/ctl/fake_server.h"
 
 namespace mauve::ctl {
@@ -103,6 +105,17 @@ TEST(Client, SaysThatThereIsNoSocket) {
   EXPECT_EQ(fault->exit, 7);
   EXPECT_EQ(fault->where, "/nowhere/at/all.sock");
   EXPECT_FALSE(fault->hint.empty());
+}
+
+TEST(Client, NamesTheSocketOfTheServiceWhereThereIsOne) {
+  const test::TempDir place;
+  const std::string service = place.write("mauved.sock", "").string();
+
+  EXPECT_THAT(how_to_reach("/run/user/7/mauve/mauved.sock", service),
+              testing::HasSubstr("export MAUVE_SOCKET=" + service));
+  EXPECT_THAT(how_to_reach(service, service), testing::HasSubstr("systemctl start mauved"));
+  EXPECT_THAT(how_to_reach("/run/user/7/mauve/mauved.sock", place / "no.sock"),
+              testing::HasSubstr("systemctl start mauved"));
 }
 
 TEST(Client, SaysThatNobodyListens) {
