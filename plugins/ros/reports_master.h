@@ -11,12 +11,7 @@ class ReportsMaster {
  public:
   /// [rt] At each use of the topic.
   void look(bool connected) {
-    if (!there_.changed(connected)) return;
-    if (connected) {
-      mauve::log(mauve::LogLevel::info, "a ROS master knows its topic");
-    } else {
-      mauve::log(mauve::LogLevel::warning, "no ROS master knows its topic");
-    }
+    there_.report(connected, "a ROS master knows its topic", "no ROS master knows its topic");
   }
 
  private:

@@ -3,6 +3,7 @@
 /// reported at once, without filling the log.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include <mauve/log.h>
@@ -15,20 +16,33 @@ namespace rover {
   return count == 1;
 }
 
-/// A condition that is true or false, and reported when it changes. [rt]
+/// A condition that is good or bad, and reported when it changes. [rt]
 class Condition {
  public:
-  explicit Condition(bool at_first) : is_(at_first) {}
+  explicit Condition(bool good_at_first) : good_(good_at_first) {}
 
   /// True when it was otherwise at the last call.
-  [[nodiscard]] bool changed(bool now) {
-    const bool before = is_;
-    is_ = now;
-    return before != now;
+  [[nodiscard]] bool changed(bool good) {
+    const bool before = good_;
+    good_ = good;
+    return before != good;
+  }
+
+  /// Logs `good_text` as information, or `bad_text` as a warning, when it changed. Either text may
+  /// show `argument`.
+  template <std::size_t N, std::size_t M>
+  void report(bool good, const char (&good_text)[N], const char (&bad_text)[M],
+              mauve::LogArgument argument = {}) {
+    if (!changed(good)) return;
+    if (good) {
+      mauve::log(mauve::LogLevel::info, good_text, argument);
+    } else {
+      mauve::log(mauve::LogLevel::warning, bad_text, argument);
+    }
   }
 
  private:
-  bool is_;
+  bool good_;
 };
 
 }  // namespace rover

@@ -15,6 +15,11 @@ using Duration = std::chrono::nanoseconds;
 /// Nanoseconds of the monotonic clock (or of a ManualClock); never wall time.
 using Instant = std::int64_t;
 
+/// An instant, or the time between two, in seconds.
+[[nodiscard]] constexpr double to_seconds(Instant nanoseconds) {
+  return static_cast<double>(nanoseconds) * 1e-9;
+}
+
 }  // namespace mauve
 
 /// For `100ms` in a declaration. The compiler looks for literals in namespaces only, never in a

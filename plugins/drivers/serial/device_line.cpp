@@ -55,12 +55,7 @@ bool DeviceLine::take(LineBytes& line, char& byte) {
 }
 
 void DeviceLine::report() {
-  if (!reported_lost_.changed(lost_)) return;
-  if (lost_) {
-    mauve::log(mauve::LogLevel::warning, "its device is not there (time {})", errors_.get());
-  } else {
-    mauve::log(mauve::LogLevel::info, "its device is back");
-  }
+  there_.report(!lost_, "its device is back", "its device is not there (time {})", errors_.get());
 }
 
 void DeviceLine::count_damaged(Counter& bad_frames) {

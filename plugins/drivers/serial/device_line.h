@@ -69,7 +69,7 @@ class DeviceLine {
   mauve::Instant heard_ = 0;  // when the last bytes came
   std::size_t bytes_left_ = 0;
   bool lost_ = true;
-  rover::Condition reported_lost_{false};
+  rover::Condition there_{true};
 };
 
 }  // namespace drivers
