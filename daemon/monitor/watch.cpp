@@ -123,7 +123,7 @@ Status Watches::tap(const std::string& address, ServiceBase& service, const Subs
   const auto* data = service.signature().data;
   if (data == nullptr || data->to_value == nullptr) {
     return refuse({Errc::unsupported, "type_not_described"}, address, "its type has no description",
-                  "describe it: specialise mauve::Described");
+                  "describe it: a static type_name and fields(), see mauve/type.h");
   }
   const MutexLock lock(mutex_);
   const auto same = [&](const Tapped& one) { return one.address == address; };

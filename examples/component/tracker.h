@@ -11,22 +11,14 @@ namespace tracker {
 struct Motion {
   double position = 0.0;  ///< m
   double speed = 0.0;     ///< m/s
-};
 
-}  // namespace tracker
-
-/// Name and fields of the type: JSON, recordings and the check of the layout come from them.
-template <>
-struct mauve::Described<tracker::Motion> {
-  static constexpr std::string_view name = "tracker_motion/1";
+  /// Name and fields of the type: JSON, recordings and the check of the layout come from them.
+  static constexpr std::string_view type_name = "tracker_motion/1";
   static constexpr auto fields() {
-    using tracker::Motion;
-    return std::tuple{field("position", &Motion::position, "m"),
-                      field("speed", &Motion::speed, "m/s")};
+    return std::tuple{mauve::field("position", &Motion::position, "m"),
+                      mauve::field("speed", &Motion::speed, "m/s")};
   }
 };
-
-namespace tracker {
 
 struct Shell : mauve::Shell {
   mauve::ReadPort<double> measured{*this, "measured"};  // m

@@ -11,34 +11,27 @@ struct Pose {
   double x = 0.0;        ///< m
   double y = 0.0;        ///< m
   double heading = 0.0;  ///< rad, anticlockwise from x
+
+  static constexpr std::string_view type_name = "two_wheels_pose/1";
+  static constexpr auto fields() {
+    return std::tuple{mauve::field("x", &Pose::x, "m"), mauve::field("y", &Pose::y, "m"),
+                      mauve::field("heading", &Pose::heading, "rad", "anticlockwise from x")};
+  }
 };
 
 /// Speeds of the wheels on the ground.
 struct Wheels {
   double left = 0.0;   ///< m/s
   double right = 0.0;  ///< m/s
+
+  static constexpr std::string_view type_name = "two_wheels_speeds/1";
+  static constexpr auto fields() {
+    return std::tuple{mauve::field("left", &Wheels::left, "m/s"),
+                      mauve::field("right", &Wheels::right, "m/s")};
+  }
 };
 
 inline constexpr double kTrack = 0.3;    // m, between the wheels
 inline constexpr double kPeriod = 0.01;  // s, of both components
 
 }  // namespace two_wheels
-
-template <>
-struct mauve::Described<two_wheels::Pose> {
-  static constexpr std::string_view name = "two_wheels_pose/1";
-  static constexpr auto fields() {
-    using two_wheels::Pose;
-    return std::tuple{field("x", &Pose::x, "m"), field("y", &Pose::y, "m"),
-                      field("heading", &Pose::heading, "rad", "anticlockwise from x")};
-  }
-};
-
-template <>
-struct mauve::Described<two_wheels::Wheels> {
-  static constexpr std::string_view name = "two_wheels_speeds/1";
-  static constexpr auto fields() {
-    using two_wheels::Wheels;
-    return std::tuple{field("left", &Wheels::left, "m/s"), field("right", &Wheels::right, "m/s")};
-  }
-};

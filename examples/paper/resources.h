@@ -38,7 +38,7 @@ class EkfCore final : public mauve::Core<mauve::EmptyShell> {
     pose_ = pose;
   }
   void update_twist(const rover::Twist& /*twist*/) { ++updates; }
-  rover::MotionState predict() { return predict_at(static_cast<double>(mauve::job_time()) * 1e-9); }
+  rover::MotionState predict() { return predict_at(mauve::to_seconds(mauve::job_time())); }
   rover::MotionState predict_at(double time) {
     rover::MotionState state;
     state.time = time;

@@ -13,21 +13,14 @@ struct Water {
   double level = 0.0;             ///< m
   double opening = 0.0;           ///< of the valve, 0 to 1
   mauve::Instant updated_at = 0;  ///< ns, monotonic clock
-};
 
-}  // namespace water_tank
-
-template <>
-struct mauve::Described<water_tank::Water> {
-  static constexpr std::string_view name = "water_tank_water/1";
+  static constexpr std::string_view type_name = "water_tank_water/1";
   static constexpr auto fields() {
-    using water_tank::Water;
-    return std::tuple{field("level", &Water::level, "m"), field("opening", &Water::opening),
-                      field("updated_at", &Water::updated_at, "ns")};
+    return std::tuple{mauve::field("level", &Water::level, "m"),
+                      mauve::field("opening", &Water::opening),
+                      mauve::field("updated_at", &Water::updated_at, "ns")};
   }
 };
-
-namespace water_tank {
 
 class Tank final : public mauve::Core<mauve::EmptyShell> {
  public:
@@ -63,7 +56,7 @@ class Tank final : public mauve::Core<mauve::EmptyShell> {
   void flow() {
     const mauve::Instant now = mauve::job_time();
     if (state->updated_at != 0) {
-      state->level += inflow * state->opening * static_cast<double>(now - state->updated_at) * 1e-9;
+      state->level += inflow * state->opening * mauve::to_seconds(now - state->updated_at);
     }
     state->updated_at = now;
   }

@@ -12,45 +12,35 @@ namespace wheel {
 /// Revision 1 counts the ticks of the encoder. The counter is too small for a long drive.
 struct CountV1 {
   std::int32_t ticks = 0;
+
+  static constexpr std::string_view type_name = "wheel_count/1";
+  static constexpr auto fields() { return std::tuple{mauve::field("ticks", &CountV1::ticks)}; }
 };
 
 /// Revision 2 has a larger counter, and the speed.
 struct CountV2 {
   std::int64_t ticks = 0;
   double speed = 0.0;  ///< ticks/s
+
+  static constexpr std::string_view type_name = "wheel_count/2";
+  static constexpr auto fields() {
+    return std::tuple{mauve::field("ticks", &CountV2::ticks),
+                      mauve::field("speed", &CountV2::speed, "1/s")};
+  }
 };
 
 /// Revision 3 has units of the world in place of ticks.
 struct CountV3 {
   double distance = 0.0;  ///< m
   double speed = 0.0;     ///< m/s
+
+  static constexpr std::string_view type_name = "wheel_count/3";
+  static constexpr auto fields() {
+    return std::tuple{mauve::field("distance", &CountV3::distance, "m"),
+                      mauve::field("speed", &CountV3::speed, "m/s")};
+  }
 };
 
 inline constexpr double kTick = 0.001;  // m
 
 }  // namespace wheel
-
-template <>
-struct mauve::Described<wheel::CountV1> {
-  static constexpr std::string_view name = "wheel_count/1";
-  static constexpr auto fields() { return std::tuple{field("ticks", &wheel::CountV1::ticks)}; }
-};
-
-template <>
-struct mauve::Described<wheel::CountV2> {
-  static constexpr std::string_view name = "wheel_count/2";
-  static constexpr auto fields() {
-    using wheel::CountV2;
-    return std::tuple{field("ticks", &CountV2::ticks), field("speed", &CountV2::speed, "1/s")};
-  }
-};
-
-template <>
-struct mauve::Described<wheel::CountV3> {
-  static constexpr std::string_view name = "wheel_count/3";
-  static constexpr auto fields() {
-    using wheel::CountV3;
-    return std::tuple{field("distance", &CountV3::distance, "m"),
-                      field("speed", &CountV3::speed, "m/s")};
-  }
-};

@@ -12,17 +12,11 @@ namespace demo {
 /// The state that the cores hand over: the count goes on where the other core left it.
 struct Count {
   std::int64_t value = 0;
+
+  static constexpr std::string_view type_name = "demo_count/1";
+  static constexpr auto fields() { return std::tuple{mauve::field("value", &Count::value)}; }
 };
 
-}  // namespace demo
-
-template <>
-struct mauve::Described<demo::Count> {
-  static constexpr std::string_view name = "demo_count/1";
-  static constexpr auto fields() { return std::tuple{field("value", &demo::Count::value)}; }
-};
-
-namespace demo {
 namespace {
 
 /// The contract of both cores.

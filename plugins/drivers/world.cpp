@@ -32,18 +32,12 @@ namespace drivers {
 struct Moving {
   world::Robot robot{1};
   world::Random random{1};
-};
 
-}  // namespace drivers
-
-/// Opaque to tools; raise the revision when anything in it changes.
-template <>
-struct mauve::Described<drivers::Moving> {
-  static constexpr std::string_view name = "simulated_robot/1";
+  /// Opaque to tools; raise the revision when anything in it changes.
+  static constexpr std::string_view type_name = "simulated_robot/1";
   static constexpr auto fields() { return std::tuple{}; }
 };
 
-namespace drivers {
 namespace {
 
 using rover::GnssFix;
@@ -72,14 +66,14 @@ class WorldCore final : public mauve::Core<mauve::EmptyShell> {
     x = pose.x;
     y = pose.y;
     Odometry odometry = state_->robot.odometry();
-    odometry.time = static_cast<double>(mauve::job_time()) * 1e-9;
+    odometry.time = mauve::to_seconds(mauve::job_time());
     return odometry;
   }
 
   /// [rt] One turn of the laser.
   LaserScan scan() {
     LaserScan scan;
-    scan.time = static_cast<double>(mauve::job_time()) * 1e-9;
+    scan.time = mauve::to_seconds(mauve::job_time());
     world::cast(map_, state_->robot.pose(), {0.02, laser_range, laser_noise}, state_->random, scan,
                 walls_.get());
     return scan;

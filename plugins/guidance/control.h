@@ -97,7 +97,7 @@ class GuidanceCore : public mauve::Core<ControlShell> {
   /// Time since the step before, whichever core made it.
   double step() {
     const mauve::Instant now = mauve::job_time();
-    const double dt = static_cast<double>(now - state->stepped_at) * 1e-9;
+    const double dt = mauve::to_seconds(now - state->stepped_at);
     state->stepped_at = now;
     return dt > 0.0 && dt < 0.1 ? dt : kPace;
   }

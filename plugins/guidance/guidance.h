@@ -30,6 +30,19 @@ struct Guidance {
   mauve::Instant stepped_at = 0;  ///< start of the job that gave `command`
   double hit_range = 0.0;         ///< m to the goal when AVOID was entered
   double dwell = 0.0;             ///< s since the supervisor last decided
+
+  static constexpr std::string_view type_name = "guidance/1";
+  static constexpr auto fields() {
+    return std::tuple{mauve::field("goal", &Guidance::goal, "m"),
+                      mauve::field("command", &Guidance::command),
+                      mauve::field("has_goal", &Guidance::has_goal),
+                      mauve::field("side", &Guidance::side),
+                      mauve::field("avoiding", &Guidance::avoiding),
+                      mauve::field("goals_reached", &Guidance::goals_reached),
+                      mauve::field("stepped_at", &Guidance::stepped_at, "ns"),
+                      mauve::field("hit_range", &Guidance::hit_range, "m"),
+                      mauve::field("dwell", &Guidance::dwell, "s")};
+  }
 };
 
 /// Another goal, while driving: whoever is going round an obstacle decides anew. A goal that only
@@ -80,20 +93,3 @@ struct SlewLimits {
 }
 
 }  // namespace guidance
-
-template <>
-struct mauve::Described<guidance::Guidance> {
-  static constexpr std::string_view name = "guidance/1";
-  static constexpr auto fields() {
-    using guidance::Guidance;
-    return std::tuple{field("goal", &Guidance::goal, "m"),
-                      field("command", &Guidance::command),
-                      field("has_goal", &Guidance::has_goal),
-                      field("side", &Guidance::side),
-                      field("avoiding", &Guidance::avoiding),
-                      field("goals_reached", &Guidance::goals_reached),
-                      field("stepped_at", &Guidance::stepped_at, "ns"),
-                      field("hit_range", &Guidance::hit_range, "m"),
-                      field("dwell", &Guidance::dwell, "s")};
-  }
-};

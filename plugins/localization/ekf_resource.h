@@ -86,7 +86,7 @@ class EkfCore final : public mauve::Core<mauve::EmptyShell> {
 
   mauve::Status on_configure() override;
 
-  [[nodiscard]] static double now() { return static_cast<double>(mauve::job_time()) * 1e-9; }
+  [[nodiscard]] static double now() { return mauve::to_seconds(mauve::job_time()); }
 
   template <typename T>
   void take(T measurement) {

@@ -26,22 +26,15 @@ struct Origin {
   bool south = false;
   double easting = 0.0;   ///< m
   double northing = 0.0;  ///< m
-};
 
-}  // namespace localization
-
-template <>
-struct mauve::Described<localization::Origin> {
-  static constexpr std::string_view name = "utm_origin/1";
+  static constexpr std::string_view type_name = "utm_origin/1";
   static constexpr auto fields() {
-    using localization::Origin;
-    return std::tuple{field("known", &Origin::known), field("zone", &Origin::zone),
-                      field("south", &Origin::south), field("easting", &Origin::easting, "m"),
-                      field("northing", &Origin::northing, "m")};
+    return std::tuple{mauve::field("known", &Origin::known), mauve::field("zone", &Origin::zone),
+                      mauve::field("south", &Origin::south),
+                      mauve::field("easting", &Origin::easting, "m"),
+                      mauve::field("northing", &Origin::northing, "m")};
   }
 };
-
-namespace localization {
 
 struct GnssToUtmShell : mauve::Shell {
   mauve::WritePort<rover::Pose> pose{*this, "pose"};
@@ -67,7 +60,7 @@ class GnssToUtmCore final : public mauve::Core<GnssToUtmShell> {
       return;
     }
     zone = origin.zone;
-    const double time = static_cast<double>(mauve::job_time()) * 1e-9 - latency;
+    const double time = mauve::to_seconds(mauve::job_time()) - latency;
     const bool says = fix.hdop > 0.0 && fix.hdop <= kWorstHdop;
     shell().pose.write({time, point->x - origin.easting, point->y - origin.northing,
                         says ? fix.hdop * range_error : 0.0});

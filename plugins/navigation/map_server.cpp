@@ -23,7 +23,7 @@ class MapServer final : public mauve::Core<MapServerShell> {
  public:
   void publish() {
     // Unlike that of any map before it: those were given in earlier jobs.
-    if (map_->time == 0.0) map_->time = static_cast<double>(mauve::job_time()) * 1e-9;
+    if (map_->time == 0.0) map_->time = mauve::to_seconds(mauve::job_time());
     shell().map.write(*map_);
   }
 

@@ -104,7 +104,7 @@ void Navigation::finish() {
 }
 
 bool Navigation::read_pose() {
-  now_ = static_cast<double>(mauve::job_time()) * 1e-9;
+  now_ = mauve::to_seconds(mauve::job_time());
   const Pose2D pose = shell().pose.read();
   if (!usable(shell().pose.status()) || !std::isfinite(pose.x + pose.y + pose.heading))
     return false;

@@ -24,6 +24,16 @@ struct Route {
 
   [[nodiscard]] std::size_t at() const { return static_cast<std::size_t>(next); }
   [[nodiscard]] bool is_last() const { return at() + 1 >= path.points.size(); }
+
+  static constexpr std::string_view type_name = "route/1";
+  static constexpr auto fields() {
+    return std::tuple{mauve::field("path", &Route::path),
+                      mauve::field("goal", &Route::goal, "m"),
+                      mauve::field("from", &Route::from, "m"),
+                      mauve::field("next", &Route::next),
+                      mauve::field("has_goal", &Route::has_goal),
+                      mauve::field("goals_reached", &Route::goals_reached)};
+  }
 };
 
 /// Distance from the place to the line between two others, ends included. [rt]
@@ -61,15 +71,3 @@ void advance(Route& route, const rover::Pose2D& pose, double reach, InSight in_s
 }
 
 }  // namespace navigation
-
-template <>
-struct mauve::Described<navigation::Route> {
-  static constexpr std::string_view name = "route/1";
-  static constexpr auto fields() {
-    using navigation::Route;
-    return std::tuple{
-        field("path", &Route::path),         field("goal", &Route::goal, "m"),
-        field("from", &Route::from, "m"),    field("next", &Route::next),
-        field("has_goal", &Route::has_goal), field("goals_reached", &Route::goals_reached)};
-  }
-};

@@ -19,17 +19,11 @@ namespace safety {
 /// The state that survives a change.
 struct PilotState {
   std::uint8_t zone = 0;
+
+  static constexpr std::string_view type_name = "pilot_state/1";
+  static constexpr auto fields() { return std::tuple{mauve::field("zone", &PilotState::zone)}; }
 };
 
-}  // namespace safety
-
-template <>
-struct mauve::Described<safety::PilotState> {
-  static constexpr std::string_view name = "pilot_state/1";
-  static constexpr auto fields() { return std::tuple{field("zone", &safety::PilotState::zone)}; }
-};
-
-namespace safety {
 namespace {
 
 using rover::LaserScan;
@@ -52,7 +46,8 @@ class Pilot final : public mauve::Core<PilotShell> {
       free_way = safety::free_way(scan, limits->half_width);
     });
     if (has_value(seen) && !sees) ++blind_scans;
-    report(has_value(seen) && !sees);
+    sees_.report(!has_value(seen) || sees, "the scan says something again",
+                 "the scan says nothing: no way ahead is safe");
     const bool fresh = has_value(seen) && seen != mauve::DataStatus::stale &&
                        (scan_timeout.get() == 0ms || shell().scan.age() <= scan_timeout.get());
     if (!fresh || !sees) free_way = 0.0;
@@ -87,15 +82,6 @@ class Pilot final : public mauve::Core<PilotShell> {
     return mauve::invalid(limits[&Limits::slow_distance], "must not be below stop_distance");
   }
 
-  void report(bool blind) {
-    if (!reported_blind_.changed(blind)) return;
-    if (blind) {
-      mauve::log(mauve::LogLevel::warning, "the scan says nothing: no way ahead is safe");
-    } else {
-      mauve::log(mauve::LogLevel::info, "the scan says something again");
-    }
-  }
-
   void hand_on(Zone zone_now) {
     const Velocity wanted = shell().command.read();
     const mauve::DataStatus status = shell().command.status();
@@ -108,7 +94,7 @@ class Pilot final : public mauve::Core<PilotShell> {
     shell().safe_command.write(usable ? limited(wanted, zone_now) : Velocity{});
   }
 
-  rover::Condition reported_blind_{false};
+  rover::Condition sees_{true};
 };
 
 /// Each zone is a state, so that `mauvectl status` and traces show it.

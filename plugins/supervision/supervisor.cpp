@@ -26,18 +26,12 @@ namespace supervision {
 struct Watched {
   Sighting seen;
   Progress progress;
-};
 
-}  // namespace supervision
-
-/// Opaque to tools; raise the revision when anything in it changes.
-template <>
-struct mauve::Described<supervision::Watched> {
-  static constexpr std::string_view name = "supervised/2";
+  /// Opaque to tools; raise the revision when anything in it changes.
+  static constexpr std::string_view type_name = "supervised/2";
   static constexpr auto fields() { return std::tuple{}; }
 };
 
-namespace supervision {
 namespace {
 
 using rover::Point2D;

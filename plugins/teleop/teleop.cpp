@@ -14,19 +14,13 @@ namespace teleop {
 /// The state that survives a change.
 struct TeleopState {
   bool steering = false;
-};
 
-}  // namespace teleop
-
-template <>
-struct mauve::Described<teleop::TeleopState> {
-  static constexpr std::string_view name = "teleop_state/1";
+  static constexpr std::string_view type_name = "teleop_state/1";
   static constexpr auto fields() {
-    return std::tuple{field("steering", &teleop::TeleopState::steering)};
+    return std::tuple{mauve::field("steering", &TeleopState::steering)};
   }
 };
 
-namespace teleop {
 namespace {
 
 using rover::Joystick;

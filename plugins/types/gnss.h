@@ -17,22 +17,18 @@ struct GnssFix {
   double hdop = 0.0;       ///< horizontal dilution of precision
   std::int32_t mode = 1;   ///< 1 none, 2 two dimensions, 3 three dimensions
   std::int32_t satellites = 0;
+
+  static constexpr std::string_view type_name = "gnss_fix/1";
+  static constexpr auto fields() {
+    return std::tuple{
+        mauve::field("time", &GnssFix::time, "s", "of the day, UTC, as the receiver says"),
+        mauve::field("latitude", &GnssFix::latitude, "deg", "north positive"),
+        mauve::field("longitude", &GnssFix::longitude, "deg", "east positive"),
+        mauve::field("altitude", &GnssFix::altitude, "m", "above mean sea level"),
+        mauve::field("mode", &GnssFix::mode, "", "1 none, 2 two dimensions, 3 three dimensions"),
+        mauve::field("satellites", &GnssFix::satellites),
+        mauve::field("hdop", &GnssFix::hdop)};
+  }
 };
 
 }  // namespace rover
-
-template <>
-struct mauve::Described<rover::GnssFix> {
-  static constexpr std::string_view name = "gnss_fix/1";
-  static constexpr auto fields() {
-    using rover::GnssFix;
-    return std::tuple{
-        field("time", &GnssFix::time, "s", "of the day, UTC, as the receiver says"),
-        field("latitude", &GnssFix::latitude, "deg", "north positive"),
-        field("longitude", &GnssFix::longitude, "deg", "east positive"),
-        field("altitude", &GnssFix::altitude, "m", "above mean sea level"),
-        field("mode", &GnssFix::mode, "", "1 none, 2 two dimensions, 3 three dimensions"),
-        field("satellites", &GnssFix::satellites),
-        field("hdop", &GnssFix::hdop)};
-  }
-};

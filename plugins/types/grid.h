@@ -23,6 +23,18 @@ struct OccupancyGrid {
   std::int32_t width = 0;   ///< cells
   std::int32_t height = 0;  ///< cells
   mauve::Bounded<std::int8_t, kCapacity> cells;
+
+  static constexpr std::string_view type_name = "occupancy_grid/1";
+  static constexpr auto fields() {
+    return std::tuple{
+        mauve::field("time", &OccupancyGrid::time, "s",
+                     "monotonic clock; another one means another map"),
+        mauve::field("resolution", &OccupancyGrid::resolution, "m"),
+        mauve::field("origin", &OccupancyGrid::origin, "m", "corner of the first cell"),
+        mauve::field("width", &OccupancyGrid::width, "", "cells"),
+        mauve::field("height", &OccupancyGrid::height, "", "cells"),
+        mauve::field("cells", &OccupancyGrid::cells, "", "0 free to 100 occupied, -1 unknown")};
+  }
 };
 
 /// Places to pass, the goal last. Empty: there is no way, or nothing to do.
@@ -30,30 +42,11 @@ struct Path {
   static constexpr std::size_t kCapacity = 256;
 
   mauve::Bounded<Point2D, kCapacity> points;
+
+  static constexpr std::string_view type_name = "path/1";
+  static constexpr auto fields() {
+    return std::tuple{mauve::field("points", &Path::points, "m", "to pass, the goal last")};
+  }
 };
 
 }  // namespace rover
-
-template <>
-struct mauve::Described<rover::OccupancyGrid> {
-  static constexpr std::string_view name = "occupancy_grid/1";
-  static constexpr auto fields() {
-    using rover::OccupancyGrid;
-    return std::tuple{
-        field("time", &OccupancyGrid::time, "s", "monotonic clock; another one means another map"),
-        field("resolution", &OccupancyGrid::resolution, "m"),
-        field("origin", &OccupancyGrid::origin, "m", "corner of the first cell"),
-        field("width", &OccupancyGrid::width, "", "cells"),
-        field("height", &OccupancyGrid::height, "", "cells"),
-        field("cells", &OccupancyGrid::cells, "", "0 free to 100 occupied, -1 unknown")};
-  }
-};
-
-template <>
-struct mauve::Described<rover::Path> {
-  static constexpr std::string_view name = "path/1";
-  static constexpr auto fields() {
-    using rover::Path;
-    return std::tuple{field("points", &Path::points, "m", "to pass, the goal last")};
-  }
-};

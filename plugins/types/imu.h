@@ -16,20 +16,16 @@ struct Imu {
   double acceleration_y = 0.0;  ///< m/s^2
   double heading = 0.0;         ///< rad, anticlockwise from east; only with has_heading
   bool has_heading = false;     ///< its compass is trusted
+
+  static constexpr std::string_view type_name = "imu/1";
+  static constexpr auto fields() {
+    return std::tuple{mauve::field("time", &Imu::time, "s", "monotonic clock; 0: now"),
+                      mauve::field("yaw_rate", &Imu::yaw_rate, "rad/s", "anticlockwise"),
+                      mauve::field("acceleration_x", &Imu::acceleration_x, "m/s2", "forward"),
+                      mauve::field("acceleration_y", &Imu::acceleration_y, "m/s2", "to the left"),
+                      mauve::field("heading", &Imu::heading, "rad", "anticlockwise from east"),
+                      mauve::field("has_heading", &Imu::has_heading)};
+  }
 };
 
 }  // namespace rover
-
-template <>
-struct mauve::Described<rover::Imu> {
-  static constexpr std::string_view name = "imu/1";
-  static constexpr auto fields() {
-    using rover::Imu;
-    return std::tuple{field("time", &Imu::time, "s", "monotonic clock; 0: now"),
-                      field("yaw_rate", &Imu::yaw_rate, "rad/s", "anticlockwise"),
-                      field("acceleration_x", &Imu::acceleration_x, "m/s2", "forward"),
-                      field("acceleration_y", &Imu::acceleration_y, "m/s2", "to the left"),
-                      field("heading", &Imu::heading, "rad", "anticlockwise from east"),
-                      field("has_heading", &Imu::has_heading)};
-  }
-};

@@ -17,18 +17,15 @@ struct Joystick {
   mauve::Bounded<float, kAxes> axes;  ///< -1 to 1; forward and left are positive
   std::int32_t buttons = 0;           ///< bit i: button i is pressed
   bool connected = false;
+
+  static constexpr std::string_view type_name = "joystick/1";
+  static constexpr auto fields() {
+    return std::tuple{
+        mauve::field("time", &Joystick::time, "s", "monotonic clock; of the last event"),
+        mauve::field("axes", &Joystick::axes, "", "-1 to 1; forward and left are positive"),
+        mauve::field("buttons", &Joystick::buttons, "", "a bit for each"),
+        mauve::field("connected", &Joystick::connected)};
+  }
 };
 
 }  // namespace rover
-
-template <>
-struct mauve::Described<rover::Joystick> {
-  static constexpr std::string_view name = "joystick/1";
-  static constexpr auto fields() {
-    using rover::Joystick;
-    return std::tuple{field("time", &Joystick::time, "s", "monotonic clock; of the last event"),
-                      field("axes", &Joystick::axes, "", "-1 to 1; forward and left are positive"),
-                      field("buttons", &Joystick::buttons, "", "a bit for each"),
-                      field("connected", &Joystick::connected)};
-  }
-};

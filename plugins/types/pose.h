@@ -14,12 +14,23 @@ struct Pose2D {
   double x = 0.0;
   double y = 0.0;
   double heading = 0.0;
+
+  static constexpr std::string_view type_name = "pose2d/1";
+  static constexpr auto fields() {
+    return std::tuple{mauve::field("x", &Pose2D::x, "m"), mauve::field("y", &Pose2D::y, "m"),
+                      mauve::field("heading", &Pose2D::heading, "rad", "anticlockwise from x")};
+  }
 };
 
 /// A place.
 struct Point2D {
   double x = 0.0;
   double y = 0.0;
+
+  static constexpr std::string_view type_name = "point2d/1";
+  static constexpr auto fields() {
+    return std::tuple{mauve::field("x", &Point2D::x, "m"), mauve::field("y", &Point2D::y, "m")};
+  }
 };
 
 /// The measurement of the wheels: the pose dead-reckoned since the start, and the speeds now.
@@ -30,6 +41,16 @@ struct Odometry {
   double heading = 0.0;
   double linear = 0.0;   ///< m/s, forward
   double angular = 0.0;  ///< rad/s, anticlockwise
+
+  static constexpr std::string_view type_name = "odometry/2";
+  static constexpr auto fields() {
+    return std::tuple{mauve::field("time", &Odometry::time, "s", "monotonic clock"),
+                      mauve::field("x", &Odometry::x, "m"),
+                      mauve::field("y", &Odometry::y, "m"),
+                      mauve::field("heading", &Odometry::heading, "rad"),
+                      mauve::field("linear", &Odometry::linear, "m/s", "forward"),
+                      mauve::field("angular", &Odometry::angular, "rad/s", "anticlockwise")};
+  }
 };
 
 /// The same angle in [-pi, pi]. [any]
@@ -48,36 +69,3 @@ struct Odometry {
 }
 
 }  // namespace rover
-
-template <>
-struct mauve::Described<rover::Pose2D> {
-  static constexpr std::string_view name = "pose2d/1";
-  static constexpr auto fields() {
-    using rover::Pose2D;
-    return std::tuple{field("x", &Pose2D::x, "m"), field("y", &Pose2D::y, "m"),
-                      field("heading", &Pose2D::heading, "rad", "anticlockwise from x")};
-  }
-};
-
-template <>
-struct mauve::Described<rover::Point2D> {
-  static constexpr std::string_view name = "point2d/1";
-  static constexpr auto fields() {
-    using rover::Point2D;
-    return std::tuple{field("x", &Point2D::x, "m"), field("y", &Point2D::y, "m")};
-  }
-};
-
-template <>
-struct mauve::Described<rover::Odometry> {
-  static constexpr std::string_view name = "odometry/2";
-  static constexpr auto fields() {
-    using rover::Odometry;
-    return std::tuple{field("time", &Odometry::time, "s", "monotonic clock"),
-                      field("x", &Odometry::x, "m"),
-                      field("y", &Odometry::y, "m"),
-                      field("heading", &Odometry::heading, "rad"),
-                      field("linear", &Odometry::linear, "m/s", "forward"),
-                      field("angular", &Odometry::angular, "rad/s", "anticlockwise")};
-  }
-};

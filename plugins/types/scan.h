@@ -31,20 +31,16 @@ struct LaserScan {
     return static_cast<double>(angle_min) +
            static_cast<double>(beam) * static_cast<double>(angle_increment);
   }
+
+  static constexpr std::string_view type_name = "laser_scan/1";
+  static constexpr auto fields() {
+    return std::tuple{mauve::field("time", &LaserScan::time, "s", "monotonic clock"),
+                      mauve::field("angle_min", &LaserScan::angle_min, "rad"),
+                      mauve::field("angle_increment", &LaserScan::angle_increment, "rad"),
+                      mauve::field("range_min", &LaserScan::range_min, "m"),
+                      mauve::field("range_max", &LaserScan::range_max, "m"),
+                      mauve::field("ranges", &LaserScan::ranges, "m", "one for each beam")};
+  }
 };
 
 }  // namespace rover
-
-template <>
-struct mauve::Described<rover::LaserScan> {
-  static constexpr std::string_view name = "laser_scan/1";
-  static constexpr auto fields() {
-    using rover::LaserScan;
-    return std::tuple{field("time", &LaserScan::time, "s", "monotonic clock"),
-                      field("angle_min", &LaserScan::angle_min, "rad"),
-                      field("angle_increment", &LaserScan::angle_increment, "rad"),
-                      field("range_min", &LaserScan::range_min, "m"),
-                      field("range_max", &LaserScan::range_max, "m"),
-                      field("ranges", &LaserScan::ranges, "m", "one for each beam")};
-  }
-};

@@ -11,16 +11,12 @@ namespace rover {
 struct Velocity {
   double linear = 0.0;   ///< m/s, forward
   double angular = 0.0;  ///< rad/s, anticlockwise
+
+  static constexpr std::string_view type_name = "velocity/1";
+  static constexpr auto fields() {
+    return std::tuple{mauve::field("linear", &Velocity::linear, "m/s", "forward"),
+                      mauve::field("angular", &Velocity::angular, "rad/s", "anticlockwise")};
+  }
 };
 
 }  // namespace rover
-
-template <>
-struct mauve::Described<rover::Velocity> {
-  static constexpr std::string_view name = "velocity/1";
-  static constexpr auto fields() {
-    using rover::Velocity;
-    return std::tuple{field("linear", &Velocity::linear, "m/s", "forward"),
-                      field("angular", &Velocity::angular, "rad/s", "anticlockwise")};
-  }
-};

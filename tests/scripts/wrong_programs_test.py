@@ -313,16 +313,21 @@ class WrongPrograms(unittest.TestCase):
             self.refused(sentence, members, f'plugin.resource<{classes}>("bad");')
 
     def test_a_type_that_is_not_described(self):
-        self.refused("specialise mauve::Described<T> with a name and fields()", "", "plugin.type<Plain>();")
-        self.refused_description("specialise mauve::Described<T> with a name and fields()",
+        self.refused("a type of a plugin is described: it has a static `type_name` and `fields()`", "", "plugin.type<Plain>();")
+        self.refused_description("a type of a plugin is described: it has a static `type_name` and `fields()`",
                                  'static constexpr auto fields() { return std::tuple{mauve::field("x", &Data::x)}; }')
 
     def test_a_description_whose_fields_are_no_members(self):
         for fields in ('mauve::field("x", &Data::x)', 'std::tuple{mauve::field("x", &robot::Other::x)}', "std::tuple{1}"):
-            self.refused("fields() of a mauve::Described<T> returns `std::tuple{mauve::field(",
+            self.refused("fields() of a described type T returns `std::tuple{mauve::field(",
                          "struct Other { double x = 0; };\n}\nstruct Data { double x = 0; };\n"
                          "template <> struct mauve::Described<Data> {"
                          ' static constexpr std::string_view name = "data/1";'
+                         " static constexpr auto fields() { return %s; } };\nnamespace robot {" % fields,
+                         "plugin.type<Data>();")
+            self.refused("fields() of a described type T returns `std::tuple{mauve::field(",
+                         "struct Other { double x = 0; };\n}\nstruct Data { double x = 0;"
+                         ' static constexpr std::string_view type_name = "data/1";'
                          " static constexpr auto fields() { return %s; } };\nnamespace robot {" % fields,
                          "plugin.type<Data>();")
 
@@ -332,6 +337,11 @@ class WrongPrograms(unittest.TestCase):
             'static constexpr std::string_view name = "data/1";'
             ' static constexpr auto fields() { return std::tuple{mauve::field("x", &Data::x)}; }'
             " using Before = robot::Plain; static void convert(const robot::Plain&, Data&) {}")
+        self.refused("`static void convert(const Old& old, T& now) noexcept`",
+                     'struct Data { double x = 0; static constexpr std::string_view type_name = "data/1";'
+                     ' static constexpr auto fields() { return std::tuple{mauve::field("x", &Data::x)}; }'
+                     " using Before = Plain; static void convert(const Plain&, Data&) {} };",
+                     "plugin.type<Data>();")
 
     def test_an_older_standard(self):
         code, errors, output = compile_text(HEADER % ("", ""), "-std=c++17")

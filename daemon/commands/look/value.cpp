@@ -55,7 +55,7 @@ Result<Json> read_service(const Running& running, const std::string& address,
   }
   if (type == nullptr || type->to_value == nullptr) {
     return refuse({Errc::unsupported, "type_not_described"}, address, "its type has no description",
-                  "describe it: specialise mauve::Described");
+                  "describe it: a static type_name and fields(), see mauve/type.h");
   }
   Slot slot(service);
   Json value;

@@ -151,7 +151,7 @@ class Finder {
   Result<Quantity> of_type(const DataType& type) {
     if (type.describe == nullptr) {
       return refused({Errc::unsupported, "type_not_described"}, "its type has no description",
-                     "describe it: specialise mauve::Described");
+                     "describe it: a static type_name and fields(), see mauve/type.h");
     }
     Value described = type.describe();
     for (const auto& field : quantity_.fields) {

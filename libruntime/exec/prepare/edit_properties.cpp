@@ -70,7 +70,8 @@ Status copy_properties(const Configurable& from, Configurable& into) {
     if (same == nullptr || !same_type(same->type(), old->type())) continue;
     if (same->type().to_value == nullptr) {
       return refuse({Errc::unsupported, "type_not_described"}, old->address(),
-                    "its type has no description", "describe it: specialise mauve::Described");
+                    "its type has no description",
+                    "describe it: a static type_name and fields(), see mauve/type.h");
     }
     if (Status done = same->set(old->value()); !done) return done;
   }

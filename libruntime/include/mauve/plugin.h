@@ -85,8 +85,8 @@ class Plugin {
   template <typename T>
   void type() {
     static_assert(detail::HasFields<T>,
-                  "mauve: a type of a plugin is described: specialise mauve::Described<T> with a "
-                  "name and fields()");
+                  "mauve: a type of a plugin is described: it has a static `type_name` and "
+                  "`fields()`, as mauve/type.h shows");
     if constexpr (detail::HasFields<T>) types.push_back(&data_type<T>());
   }
 

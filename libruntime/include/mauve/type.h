@@ -1,13 +1,23 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Described data types: one description gives JSON, recording, layout check and hand-over.
 ///
-///   template <> struct mauve::Described<Velocity> {
-///     static constexpr std::string_view name = "velocity/1";
+///   struct Velocity {
+///     double linear = 0.0;
+///     double angular = 0.0;
+///
+///     static constexpr std::string_view type_name = "velocity/1";
 ///     static constexpr auto fields() {
 ///       return std::tuple{mauve::field("linear", &Velocity::linear, "m/s"),
 ///                         mauve::field("angular", &Velocity::angular, "rad/s")};
 ///     }
 ///   };
+///
+/// The number after the name is the revision of the type. A struct that you cannot change, such as
+/// that of a library, is described beside it, with `name` in place of `type_name`:
+///
+///   template <> struct mauve::Described<Eigen::Vector2d> {
+///     static constexpr std::string_view name = "vector2d/1";
+///     ...
 ///
 /// A type that cannot be described field by field may have a name alone, without fields(): its
 /// author vouches that all builds of that revision lay it out alike. A type with neither counts
@@ -134,9 +144,10 @@ DataType make_data_type() {
     if constexpr (kMade) type.construct = [](void* memory) { ::new (memory) T{}; };
     if constexpr (requires { typename Described<T>::Before; }) {
       using Before = typename Described<T>::Before;
-      static_assert(kConvertsFrom<T, Before>,
-                    "mauve: a mauve::Described<T> with `using Before = Old;` has a `static void "
-                    "convert(const Old& old, T& now) noexcept`, and both types are plain bytes");
+      static_assert(
+          kConvertsFrom<T, Before>,
+          "mauve: the description of a type T with `using Before = Old;` has a `static "
+          "void convert(const Old& old, T& now) noexcept`, and both types are plain bytes");
       if constexpr (kConvertsFrom<T, Before>) {
         type.before = &data_type<Before>;
         type.convert = [](const void* old, void* now) {

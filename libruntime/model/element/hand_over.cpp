@@ -33,9 +33,9 @@ Error lost(const CoreBase& into, const Capsule& from, const Capsule* found, cons
     return refuse(
         {Errc::type_mismatch, "state_not_described"}, into.address(),
         "was built anew, and its state " + shown(from.type()) +
-            " has no description: nobody knows whether its fields lie as in the core in force",
-        "specialise mauve::Described for it (fields, or a name with a revision alone, by which "
-        "you vouch for its layout) and build both again, or say --state drop to start it fresh");
+            " has no description, so its fields may lie otherwise than in the core in force",
+        "give it a static type_name and fields() (or the type_name alone, by which you vouch for "
+        "its layout) and build both again, or say --state drop to start it fresh");
   }
   return refuse({Errc::type_mismatch, "state_not_convertible"}, into.address(),
                 "has the state " + shown(found->type()) + ", but the core in force has " +

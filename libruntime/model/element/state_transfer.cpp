@@ -40,10 +40,11 @@ Error not_made_from(const ResourceBase& from, const DataType& old, const Resourc
                   "has no place for them: " + held + ", and it does not say that it needs none",
                   "say --state drop to start it fresh, or --sync cut");
   }
-  return refuse({Errc::type_mismatch, "state_not_convertible"}, into.name(),
-                held + ", and " + place->data().name + " cannot be made from them",
-                "say --state drop to start it empty, or give Described<> of the new type a Before "
-                "and a convert()");
+  return refuse(
+      {Errc::type_mismatch, "state_not_convertible"}, into.name(),
+      held + ", and " + place->data().name + " cannot be made from them",
+      "say --state drop to start it empty, or give the new type a Before and a convert(), "
+      "see mauve/type.h");
 }
 
 Error undeclared(const CoreBase& core) {

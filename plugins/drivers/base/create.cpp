@@ -35,18 +35,12 @@ struct BaseLine {
   create::ReportReader reports;
   WheelOdometry wheels;
   bool begun = false;  // the base may be driving
-};
 
-}  // namespace drivers
-
-/// Opaque to tools; raise the revision when anything in it changes.
-template <>
-struct mauve::Described<drivers::BaseLine> {
-  static constexpr std::string_view name = "base_line/3";
+  /// Opaque to tools; raise the revision when anything in it changes.
+  static constexpr std::string_view type_name = "base_line/3";
   static constexpr auto fields() { return std::tuple{}; }
 };
 
-namespace drivers {
 namespace {
 
 using rover::Velocity;
@@ -144,7 +138,7 @@ class CreateOi final : public BaseCore {
     constexpr double kUnderWay = 0.05;
     const create::Report& report = state->reports.report();
     const double streamed = (damaged_ + 1) * create::kStreamPeriod;
-    const double passed = static_cast<double>(now - heard_) * 1e-9 - kUnderWay;
+    const double passed = mauve::to_seconds(now - heard_) - kUnderWay;
     const auto step =
         state->wheels.advance(report.left, report.right, std::max(streamed, passed), wheels);
     damaged_ = 0;
@@ -158,7 +152,7 @@ class CreateOi final : public BaseCore {
 
   void publish(mauve::Instant now) {
     rover::Odometry odometry = state->wheels.odometry();
-    odometry.time = static_cast<double>(now) * 1e-9 - state->wheels.lag();
+    odometry.time = mauve::to_seconds(now) - state->wheels.lag();
     shell().odometry.write(odometry);
     shell().pose.write({odometry.x, odometry.y, odometry.heading});
     shell().twist.write({odometry.time, odometry.linear, odometry.angular});

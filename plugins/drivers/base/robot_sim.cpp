@@ -35,8 +35,7 @@ class RobotSim final : public mauve::Core<RobotShell> {
     if (!moved) return;
     shell().odometry.write(*moved);
     shell().pose.write({moved->x, moved->y, moved->heading});
-    shell().twist.write(
-        {static_cast<double>(mauve::job_time()) * 1e-9, moved->linear, moved->angular});
+    shell().twist.write({mauve::to_seconds(mauve::job_time()), moved->linear, moved->angular});
   }
 
  private:

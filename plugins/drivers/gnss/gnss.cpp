@@ -19,47 +19,33 @@ struct GnssLine {
   GnssStream stream;
   GnssReader reader;
   LineBytes bytes;
-};
 
-}  // namespace drivers
-
-/// Opaque to tools; raise the revision when anything in it changes.
-template <>
-struct mauve::Described<drivers::GnssLine> {
-  static constexpr std::string_view name = "gnss_line/4";
+  /// Opaque to tools; raise the revision when anything in it changes.
+  static constexpr std::string_view type_name = "gnss_line/4";
   static constexpr auto fields() { return std::tuple{}; }
 };
 
-namespace drivers {
 namespace {
 
 class GnssSerial final : public FrameDriver<GnssCore, GnssLine> {
-  mauve::Property<double> speed_limit{*this,
-                                      "speed_limit",
-                                      100.0,
-                                      "nothing moves faster; 0 lets every jump through",
-                                      {.unit = "m/s", .min = 0.0, .max = 10'000.0}};
+  mauve::Property<double> speed_limit{
+      *this, "speed_limit", 100.0, "of a jump; 0: any", {.unit = "m/s", .min = 0, .max = 1e4}};
   mauve::Observable<std::uint64_t> fixes{*this, "fixes", 0, "epochs published"};
-  mauve::Observable<std::uint64_t> implausible{*this, "implausible", 0,
-                                               "epochs that cannot be, skipped"};
   mauve::Observable<int> satellites{*this, "satellites", 0, "used in the last epoch"};
   mauve::Observable<double> hdop{*this, "hdop", 0.0, "dilution of precision, of the last epoch"};
   mauve::Observable<int> mode{*this, "mode", 1, "1 none, 2 two dimensions, 3 three"};
 
-  rover::Condition reported_fix_{false};
+  rover::Condition fixed_{false};
 
   void use(Found found) override {
-    const double now = static_cast<double>(mauve::job_time()) * 1e-9;
+    const double now = mauve::to_seconds(mauve::job_time());
     switch (state->reader.read(found, state->stream, now, speed_limit)) {
       case GnssReader::Event::fix:
         return publish(state->reader.fix());
       case GnssReader::Event::malformed:
         return count_bad();
       case GnssReader::Event::implausible:
-        if (rover::worth_reporting(++implausible)) {
-          mauve::log(mauve::LogLevel::warning, "{} fixes that cannot be", implausible.get());
-        }
-        return;
+        return count_implausible();
       case GnssReader::Event::ignored:
         return;
     }
@@ -71,12 +57,8 @@ class GnssSerial final : public FrameDriver<GnssCore, GnssLine> {
     satellites = fix.satellites;
     hdop = fix.hdop;
     mode = fix.mode;
-    if (!reported_fix_.changed(fix.mode > 1)) return;
-    if (fix.mode > 1) {
-      mauve::log(mauve::LogLevel::info, "a fix from {} satellites", fix.satellites);
-    } else {
-      mauve::log(mauve::LogLevel::warning, "no fix, {} satellites", fix.satellites);
-    }
+    fixed_.report(fix.mode > 1, "a fix from {} satellites", "no fix, {} satellites",
+                  fix.satellites);
   }
 };
 

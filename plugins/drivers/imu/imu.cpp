@@ -16,36 +16,27 @@ struct ImuLine {
   XbusStream stream;
   ImuReader reader;
   LineBytes bytes;
-};
 
-}  // namespace drivers
-
-/// Opaque to tools; raise the revision when anything in it changes.
-template <>
-struct mauve::Described<drivers::ImuLine> {
-  static constexpr std::string_view name = "imu_line/2";
+  /// Opaque to tools; raise the revision when anything in it changes.
+  static constexpr std::string_view type_name = "imu_line/2";
   static constexpr auto fields() { return std::tuple{}; }
 };
 
-namespace drivers {
 namespace {
 
 class ImuXbus final : public FrameDriver<ImuCore, ImuLine> {
   mauve::Property<bool> compass{*this, "compass", true, "let its heading through"};
   mauve::Observable<std::uint64_t> measurements{*this, "measurements", 0, "published"};
-  mauve::Observable<std::uint64_t> implausible{*this, "implausible", 0,
-                                               "with a value that no unit measures, skipped"};
 
   void use(Found) override {
-    const double now = static_cast<double>(mauve::job_time()) * 1e-9;
+    const double now = mauve::to_seconds(mauve::job_time());
     switch (state->reader.read(state->stream.frame(), now)) {
       case ImuReader::Event::imu:
         return publish(state->reader.imu());
       case ImuReader::Event::malformed:
         return count_bad();
       case ImuReader::Event::implausible:
-        ++implausible;
-        return;
+        return count_implausible();
       case ImuReader::Event::ignored:
         return;
     }

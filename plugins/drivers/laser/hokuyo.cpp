@@ -34,18 +34,12 @@ struct ScannerLine {
   scip::ReplyReader replies;
   scip::Limits limits;
   std::uint32_t asked = 0;  // requests answered so far
-};
 
-}  // namespace drivers
-
-/// Opaque to tools; raise the revision when anything in it changes.
-template <>
-struct mauve::Described<drivers::ScannerLine> {
-  static constexpr std::string_view name = "scanner_line/2";
+  /// Opaque to tools; raise the revision when anything in it changes.
+  static constexpr std::string_view type_name = "scanner_line/2";
   static constexpr auto fields() { return std::tuple{}; }
 };
 
-namespace drivers {
 namespace {
 
 /// Asked in this order.
@@ -190,15 +184,9 @@ class HokuyoScip final : public LaserCore {
     const scip::ReplyReader& replies = state->replies;
     empty = scip::blind(state->limits, replies.values());
     if (empty) ++empty_scans;
-    if (reported_empty_.changed(empty)) {
-      if (empty) {
-        mauve::log(mauve::LogLevel::warning, "its scanner sees nothing but error codes");
-      } else {
-        mauve::log(mauve::LogLevel::info, "its scanner sees again");
-      }
-    }
+    sees_.report(!empty, "its scanner sees again", "its scanner sees nothing but error codes");
     shell().scan.fill([&](rover::LaserScan& scan) {
-      scan.time = static_cast<double>(mauve::job_time()) * 1e-9;
+      scan.time = mauve::to_seconds(mauve::job_time());
       scip::show(replies.request(), state->limits, replies.values(), scan);
     });
     ++scans;
@@ -218,7 +206,7 @@ class HokuyoScip final : public LaserCore {
   }
 
   DeviceLine line_{device_errors, reopened, received};
-  rover::Condition reported_empty_{false};
+  rover::Condition sees_{true};
   Event event_ = Event::none;
   mauve::Instant waiting_since_ = 0;
   bool answered_ = false;

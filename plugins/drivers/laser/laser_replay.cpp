@@ -14,19 +14,11 @@ namespace drivers {
 /// The state that survives a change.
 struct ReplayPosition {
   std::uint64_t next = 0;
+
+  static constexpr std::string_view type_name = "replay_position/1";
+  static constexpr auto fields() { return std::tuple{mauve::field("next", &ReplayPosition::next)}; }
 };
 
-}  // namespace drivers
-
-template <>
-struct mauve::Described<drivers::ReplayPosition> {
-  static constexpr std::string_view name = "replay_position/1";
-  static constexpr auto fields() {
-    return std::tuple{field("next", &drivers::ReplayPosition::next)};
-  }
-};
-
-namespace drivers {
 namespace {
 
 using rover::LaserScan;
@@ -41,11 +33,9 @@ class LaserReplay final : public mauve::Core<LaserReplayShell> {
     if (state->next >= recording_->size() && repeat) state->next = 0;
     finished = state->next >= recording_->size();
     if (finished) return;
-    const std::size_t index = state->next++;
     shell().scan.fill([&](LaserScan& scan) {
-      recording_->show(index, scan);
-      scan.time =
-          static_cast<double>(mauve::job_time()) * 1e-9;  // the recording's clock is another
+      recording_->show(state->next++, scan);
+      scan.time = mauve::to_seconds(mauve::job_time());  // the recording has another clock
     });
     ++scans;
   }

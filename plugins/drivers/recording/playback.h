@@ -24,22 +24,14 @@ struct PlaybackPosition {
   std::uint64_t next = 0;  ///< row
   std::int64_t at = 0;     ///< ns, on the clock of the recording
   std::int64_t last = 0;   ///< monotonic, of the last job; 0: none yet
-};
 
-}  // namespace drivers
-
-template <>
-struct mauve::Described<drivers::PlaybackPosition> {
-  static constexpr std::string_view name = "playback_position/1";
+  static constexpr std::string_view type_name = "playback_position/1";
   static constexpr auto fields() {
-    using drivers::PlaybackPosition;
-    return std::tuple{field("next", &PlaybackPosition::next),
-                      field("at", &PlaybackPosition::at, "ns"),
-                      field("last", &PlaybackPosition::last, "ns")};
+    return std::tuple{mauve::field("next", &PlaybackPosition::next),
+                      mauve::field("at", &PlaybackPosition::at, "ns"),
+                      mauve::field("last", &PlaybackPosition::last, "ns")};
   }
 };
-
-namespace drivers {
 
 template <typename T>
 struct PlaybackShell : mauve::Shell {
@@ -110,8 +102,8 @@ class Playback final : public mauve::Core<PlaybackShell<T>> {
     if constexpr (Stamped<T>) {
       // As old when it was written as in the recording; 0 says "now" there and here.
       if (restamp && value.time != 0.0) {
-        const double age = static_cast<double>(times_[row]) * 1e-9 + offset_ - value.time;
-        value.time = static_cast<double>(mauve::job_time()) * 1e-9 - age;
+        const double age = mauve::to_seconds(times_[row]) + offset_ - value.time;
+        value.time = mauve::to_seconds(mauve::job_time()) - age;
       }
     }
     this->shell().out.write(value);
@@ -137,8 +129,7 @@ class Playback final : public mauve::Core<PlaybackShell<T>> {
     }
     if constexpr (Stamped<T>) {
       for (std::size_t i = 0; i < values_.size() && offset_ == 0.0; ++i) {
-        if (values_[i].time != 0.0)
-          offset_ = values_[i].time - static_cast<double>(times_[i]) * 1e-9;
+        if (values_[i].time != 0.0) offset_ = values_[i].time - mauve::to_seconds(times_[i]);
       }
     }
     return mauve::ok();

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <string>
 
+#include "../../types/reporting.h"
 #include "device_line.h"
 
 namespace drivers {
@@ -74,6 +75,13 @@ class FrameDriver : public CoreT {
   /// Uses the frame that the stream just found. [rt]
   virtual void use(Found found) = 0;
   void count_bad() { DeviceLine::count_damaged(bad_frames); }
+  /// Counts an undamaged frame whose values cannot be, which is skipped.
+  void count_implausible() {
+    if (rover::worth_reporting(++implausible)) {
+      mauve::log(mauve::LogLevel::warning, "{} frames with values that cannot be",
+                 implausible.get());
+    }
+  }
 
   mauve::State<Line> state{*this};
 
@@ -95,6 +103,8 @@ class FrameDriver : public CoreT {
       "silence after which the rest of a frame is not waited for"};
   mauve::Observable<std::uint64_t> good_frames{*this, "good_frames", 0, "undamaged"};
   mauve::Observable<std::uint64_t> bad_frames{*this, "bad_frames", 0, "damaged ones, skipped"};
+  mauve::Observable<std::uint64_t> implausible{*this, "implausible", 0,
+                                               "undamaged, with values that cannot be, skipped"};
   mauve::Observable<std::uint64_t> device_errors{*this, "device_errors", 0,
                                                  "times it was not there or went away"};
   mauve::Observable<std::uint64_t> reopened{*this, "reopened", 0, "times it came, or came back"};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// How typed values become Value and back, and the fixed-capacity building blocks of data types.
-/// Included by type.h; authors specialise `mauve::Described<T>` only.
+/// Included by type.h; authors describe their types as type.h shows.
 #pragma once
 
 #include <array>
@@ -119,10 +119,9 @@ concept HasGoodFields = HasFields<T> && kFieldsOf<T, decltype(Described<T>::fiel
 
 template <detail::HasFields T>
 struct Codec<T> {
-  static_assert(
-      detail::kNever<T>,
-      "mauve: fields() of a mauve::Described<T> returns `std::tuple{mauve::field(\"NAME\", "
-      "&T::NAME), ...}` of members of T; the type of each is described too");
+  static_assert(detail::kNever<T>,
+                "mauve: fields() of a described type T returns `std::tuple{mauve::field(\"NAME\", "
+                "&T::NAME), ...}` of members of T; the type of each is described too");
   static Value encode(const T& data);
   static Status decode(const Value& value, T& data);
   static Value describe();

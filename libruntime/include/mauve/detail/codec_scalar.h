@@ -20,9 +20,40 @@
 
 namespace mauve {
 
-/// Specialise for a struct of your own; see type.h.
+/// The description of T: `name`, and what else type.h says. A struct of your own has it inside;
+/// specialise this for a struct that you cannot change.
 template <typename T>
 struct Described {};
+
+namespace detail {
+
+template <typename T>
+concept DescribesItself = requires {
+  { T::type_name } -> std::convertible_to<std::string_view>;
+};
+
+template <typename T>
+struct OwnBefore {};
+template <typename T>
+requires requires { typename T::Before; }
+struct OwnBefore<T> {
+  using Before = typename T::Before;
+};
+
+}  // namespace detail
+
+template <detail::DescribesItself T>
+struct Described<T> : detail::OwnBefore<T> {
+  static constexpr std::string_view name = T::type_name;
+  static constexpr auto fields() requires requires { T::fields(); }
+  { return T::fields(); }
+  template <typename Old>
+  static void convert(const Old& old,
+                      T& now) noexcept(noexcept(T::convert(old, now))) requires requires {
+    T::convert(old, now);
+  }
+  { T::convert(old, now); }
+};
 
 /// One field of a described struct: name, member, unit and text for people.
 template <typename Owner, typename T>
