@@ -14,7 +14,7 @@ namespace {
 
 using Tasks = std::vector<const Task*>;
 
-/// Those pinned to each CPU, and on each those that float.
+/// The tasks of each CPU: those pinned to it, and all tasks that float.
 std::map<int, Tasks> by_cpu(const TaskSet& set) {
   std::map<int, Tasks> result;
   for (const Task& task : set.tasks) {
@@ -35,7 +35,7 @@ bool change_both_ways(const Tasks& tasks) {
   return some(Presence::before) && some(Presence::after);
 }
 
-/// Adds what was found about one CPU; false when it does not pass.
+/// Adds the findings about one CPU to the report; false when the CPU does not pass.
 bool add(Processor processor, int cpu, Report& report) {
   CpuReport second = processor.second();
   second.cpu = cpu;

@@ -11,8 +11,8 @@ namespace mauve::analysis {
 /// Response times of all jobs, by CPU.
 [[nodiscard]] Report analyze(const TaskSet& set);
 
-/// Of the old system, the new one, the change at any instant and the rollback at any later one: a
-/// rollback needs no admission of its own.
+/// Response times in the old system, in the new one, during the change at any instant and during
+/// the rollback at any later one. So a rollback needs no admission of its own.
 [[nodiscard]] Report admit(const TaskSet& before, const TaskSet& after);
 
 /// The largest factor, in steps of about 1 %, by which all execution times could be multiplied so

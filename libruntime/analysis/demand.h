@@ -13,7 +13,7 @@ namespace mauve::analysis {
 
 /// A task, ready for computing. All times in ns.
 struct Demand {
-  /// `factor`: of all execution times. The task outlives this.
+  /// `factor` multiplies all execution times. The task outlives the demand.
   Demand(const Task& of, const Overheads& overheads, double factor);
 
   /// Works out `steps` for windows up to `horizon`.
@@ -54,19 +54,19 @@ class Kernel {
 /// The work that may delay a task. It grows as the view goes down the priorities.
 class Interference {
  public:
-  /// `in_turn`: tasks there only before or after the change do not run together. The demands
-  /// outlive this.
+  /// `in_turn`: a task that exists only before the change and one that exists only after it never
+  /// run together. The demands outlive this object.
   Interference(const std::vector<Demand>& demands, const Kernel& kernel, std::int64_t horizon,
                bool in_turn);
 
   void include(const Demand& demand);
-  /// From now on the view of this one, which does not delay itself.
+  /// From now on the interference is that which delays this task: its own work is left out.
   void look_from(const Demand& demand);
 
   [[nodiscard]] std::int64_t work_within(std::int64_t length) const;
   /// A bound for windows beyond the horizon.
   [[nodiscard]] Cover line() const;
-  /// Window lengths after which more is asked for.
+  /// The window lengths beyond which more work is requested.
   [[nodiscard]] const std::vector<std::int64_t>& times() const { return together_.times(); }
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Graph: the demand that one component can make of its processor, as a digraph of jobs (Stigge,
-/// Ekberg, Guan and Yi, 2011). A vertex is a job, an edge says which job may follow and how soon
-/// after.
+/// Ekberg, Guan and Yi, 2011). A vertex is a job. An edge leads to a job that may follow, and has
+/// the shortest time between the two releases.
 #pragma once
 
 #include <cstdint>
@@ -12,19 +12,19 @@
 
 namespace mauve::analysis {
 
-/// Where an execution time comes from. Of several the weakest counts: the last in this list.
+/// The source of an execution time. Of several sources the weakest counts: the last in this list.
 enum class Source : std::uint8_t { declared, measured, unknown };
 
 /// "declared", "measured", "unknown"
 [[nodiscard]] std::string_view to_string(Source source);
 
-/// Which part of a change a job belongs to.
+/// The part of a change that a job belongs to.
 enum class Part : std::uint8_t {
   steady,       ///< of a component that does not change
   before,       ///< the old version
-  first_after,  ///< the job that takes the change: costs more
+  first_after,  ///< the job that applies the change: costs more
   after,        ///< the new version
-  first_back,   ///< the job that takes the rollback
+  first_back,   ///< the job that applies the rollback
   back,         ///< the old version, after a rollback
 };
 

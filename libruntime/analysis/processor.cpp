@@ -73,7 +73,7 @@ void Processor::find_blocking() {
 void Processor::name_guessed(std::string_view resource, const std::vector<std::size_t>& level) {
   constexpr std::size_t kNobody = std::numeric_limits<std::size_t>::max();
   std::size_t highest = kNobody;
-  std::size_t lowest = 0;  // of those that may hold it for nobody knows how long
+  std::size_t lowest = 0;  // of the users whose holding time is unknown
   for (std::size_t i = 0; i < demands_.size(); ++i) {
     for (const Section& section : demands_[i].task->sections) {
       if (section.resource != resource) continue;
@@ -211,7 +211,7 @@ CpuReport Processor::second() const {
   std::int64_t busiest = rounded_up(line.value(kSecond));
   double jobs = 0;
   for (const Demand& demand : demands_) jobs += demand.jobs.rate * kSecond;
-  // The line says too much by a job of each task; where that decides, look exactly.
+  // The line is too high by one job of each task. Where that decides, the work is computed exactly.
   const auto limit = kSecondLimit.count();
   if (busiest > limit && !options_.in_turn && jobs <= kMostJobs) {
     busiest = kernel_.work_within(std::int64_t{1'000'000'000});

@@ -19,14 +19,16 @@ namespace mauve::analysis {
 
 class Processor {
  public:
-  /// How to look at it. `factor`: of all execution times. `in_turn`: tasks that are there only
-  /// before and only after a change never run together; else they do, which is quicker to compute.
+  /// The options of the analysis. `factor` multiplies all execution times. `in_turn`: a task that
+  /// exists only before a change and one that exists only after it never run together. Else they
+  /// do, which is quicker to compute.
   struct Options {
     double factor = 1;
     bool in_turn = false;
   };
 
-  /// `tasks`: those pinned to it and those that float, which may delay them. They outlive this.
+  /// `tasks`: those pinned to this CPU, and those that float, since they may delay the pinned ones.
+  /// They outlive this object.
   Processor(std::vector<const Task*> tasks, const Overheads& overheads, Options options);
 
   /// Every job meets its deadline and no second is overloaded; stops at the first that does not.
@@ -46,7 +48,7 @@ class Processor {
   [[nodiscard]] std::int64_t needed_execution(const Demand& demand, std::size_t vertex,
                                               const Interference& others) const;
   [[nodiscard]] TaskReport report(const Demand& demand, const Interference& others) const;
-  /// All but the work of the job itself and of others.
+  /// The part of a response that is no work: the wake-up and the blocking.
   [[nodiscard]] std::int64_t delay(const Demand& demand) const {
     return overheads_.wake.count() + demand.blocking;
   }

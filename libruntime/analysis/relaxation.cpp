@@ -9,7 +9,8 @@
 namespace mauve::analysis {
 namespace {
 
-/// Of its jobs the longest; of one whose time is not known the longest that makes sense.
+/// The execution time of the longest job. A job of unknown time counts with its deadline, the
+/// longest time that makes sense.
 Duration longest(const TaskSet& set, const std::string& name) {
   Duration longest{0};
   for (const Task& task : set.tasks) {
@@ -50,7 +51,7 @@ std::optional<Duration> passing_execution(const TaskSet& set, const std::string&
     const Duration middle = low + (high - low) / 2;
     (with(middle) ? low : high) = middle;
   }
-  // Less work is rarely worse, so that the next shorter one hardly ever is asked for.
+  // Less work is rarely worse, so the next shorter time is hardly ever tried.
   for (Duration shown = rounded_down(low); shown > kShortestExecution;
        shown = rounded_down(shown - shown / 16)) {
     if (with(shown)) return shown;

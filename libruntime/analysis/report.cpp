@@ -32,7 +32,7 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-/// Empty: it is known how long all resources are held.
+/// A hint; empty: the holding times of all resources are known.
 std::string what_to_declare(const std::vector<std::string>& resources) {
   if (resources.empty()) return "";
   return "; whole jobs count as blocking, declare \"lock_budget\" for " +

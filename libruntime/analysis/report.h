@@ -44,7 +44,7 @@ struct TaskReport {
   Presence presence = Presence::always;
   Source source = Source::declared;  ///< the weakest of its jobs
   Duration blocking{0};              ///< by lower tasks that hold a resource, at most
-  /// Resources of which it is not known how long they are held, and which may add to that.
+  /// Resources that may add to the blocking, since their holding times are unknown.
   std::vector<std::string> guessed;
   std::vector<JobReport> jobs;
 
@@ -56,7 +56,7 @@ struct TaskReport {
 struct CpuReport {
   int cpu = 0;
   double load = 0;             ///< long-term share that its tasks and its kernel may ask for
-  Duration busiest_second{0};  ///< what they may ask for in any second, at most
+  Duration busiest_second{0};  ///< the time that they may request in any second, at most
   bool overloaded = false;     ///< more than kSecondLimit of it
 };
 
@@ -90,8 +90,8 @@ struct Problem {
     cross_cpu,   ///< a lock is shared across CPUs
   };
   Kind kind = Kind::late;
-  /// Names the task, its job, what it needs; the hint says with what this task would pass, others
-  /// apart.
+  /// Names the task, its job and the time that the job needs. The hint gives the values with which
+  /// this task alone would pass.
   Error error;
   std::string aside;  ///< the end of the hint: another remedy
 };

@@ -22,8 +22,7 @@ inline std::function<void(std::string_view)>& at_fail_point() {
 }
 
 /// Ends the process with exit code 86, without any tidying, when the environment has
-/// MAUVE_FAIL=NAME
-/// ("NAME@2": when the point is reached the second time). [any]
+/// MAUVE_FAIL=NAME ("NAME@2": when the point is reached the second time). [any]
 inline void fail_point(std::string_view name) {
   if (at_fail_point()) at_fail_point()(name);
   static std::atomic<int> times{0};

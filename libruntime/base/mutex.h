@@ -22,7 +22,8 @@
 #define MAUVE_REQUIRES(mutex) MAUVE_THREAD_ATTRIBUTE(requires_capability(mutex))
 /// Of a function: its caller does not hold this mutex, since the function takes it.
 #define MAUVE_EXCLUDES(mutex) MAUVE_THREAD_ATTRIBUTE(locks_excluded(mutex))
-/// Of a function whose use of a mutex the analysis cannot follow; a comment says why it is right.
+/// Of a function whose use of a mutex the analysis cannot follow; a comment gives the reason why it
+/// is right.
 #define MAUVE_NOT_ANALYSED MAUVE_THREAD_ATTRIBUTE(no_thread_safety_analysis)
 
 namespace mauve {

@@ -109,7 +109,7 @@ class Builder {
     }
   }
 
-  // Reports why this part could not be made, and gives it up.
+  // Reports the error of this part, which could not be made, and leaves the part out.
   void refuse_part(const ComponentSpec& spec, ComponentParts& parts, const Error& error) {
     Position where = spec.type.where;
     if (error.at.ends_with(".core")) {
@@ -252,7 +252,7 @@ class Builder {
   Resolver resolver_;
   std::vector<std::pair<const ResourceSpec*, ResourceBase*>> resources_;
   std::vector<std::pair<const ComponentSpec*, ComponentBase*>> components_;
-  std::vector<std::pair<const ElementSpec*, LooseShell>> loose_;  // of what could not be made
+  std::vector<std::pair<const ElementSpec*, LooseShell>> loose_;  // of refused components
   std::unique_ptr<Architecture> architecture_ = std::make_unique<Architecture>(spec_.name);
 };
 

@@ -23,7 +23,7 @@ namespace mauve::arch {
 /// differ, and cycles of resources. It also reports CPUs that this machine does not have: the
 /// deployer refuses them, so a file for another machine may be good there.
 ///
-/// Null when `problems` is not empty afterwards; else `supervision`, when it is asked for, gets the
+/// Null when `problems` is not empty afterwards; else `supervision`, when it is given, gets the
 /// rules. Runs constructors of plugins, and of hooks only those of state machines, which build
 /// their transitions there. [control]
 [[nodiscard]] std::unique_ptr<Architecture> build(const Spec& spec, const plugin::Catalog& catalog,

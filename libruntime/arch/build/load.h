@@ -29,9 +29,9 @@ namespace mauve::arch {
 /// [factory] in one: for a daemon that starts, a check, or a program with one thread.
 void load_plugins(const Spec& spec, plugin::Catalog& catalog, Problems& problems);
 
-/// Parses, loads plugins and builds: everything that can be said about a file without configuring
-/// anything but state machines. All problems of all three steps come out together; null when there
-/// is any. The rules of the file go to `supervision`, when it is asked for.
+/// Parses the file, loads its plugins and builds the architecture, of which only the state machines
+/// are configured. The problems of all three steps are reported together, and the result is then
+/// null. The rules of the file go to `supervision`, when that is given.
 [[nodiscard]] std::unique_ptr<Architecture> load(std::string_view text, plugin::Catalog& catalog,
                                                  Problems& problems,
                                                  rules::Supervision* supervision = nullptr);

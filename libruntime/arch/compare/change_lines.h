@@ -24,7 +24,7 @@ using Runs = std::function<bool(const ComponentBase&)>;
 /// between prepare and commit. [control]
 [[nodiscard]] std::vector<Line> lines_of(const PreparedChange::Content& change, const Runs& runs);
 
-/// Does the line say that a property has another value, also one of a fallback core?
+/// Does the line show another value of a property, also of a property of a fallback core?
 [[nodiscard]] bool changes_a_property(const Line& line);
 /// Does the line concern more than values and whether a component runs: cores, connections,
 /// elements, task attributes, plugins, rules?

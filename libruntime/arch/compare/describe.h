@@ -27,10 +27,10 @@ namespace mauve::arch {
 using Parked = std::function<bool(const ComponentBase&)>;
 
 /// The task attributes except `start` as in the file: all of them, always in the same order, null
-/// where nothing would be said. [any]
+/// for an attribute that the file leaves out. [any]
 [[nodiscard]] std::vector<std::pair<std::string_view, Value>> describe_task(
     const TaskAttributes& attributes);
-/// A fault policy, a declared hold, a connection and a fallback core as in the file; null: there is
+/// A fault policy, a lock budget, a connection and a fallback core as in the file; null: there is
 /// none. [control]
 [[nodiscard]] Value describe_fault_policy(const FaultPolicy& policy);
 [[nodiscard]] Value describe_lock_budget(const ResourceBase& resource);

@@ -104,7 +104,7 @@ class Differ {
   }
 
  private:
-  /// No line when both say the same, or nothing.
+  /// Adds a line, unless both values are the same or both are null.
   void say(std::string kind, std::string address, Value before, Value after) {
     if (same_value(before, after)) return;
     difference_.lines.push_back(
@@ -186,7 +186,7 @@ class Differ {
     say("fsm", now.name() + ".fsm", before.fsm_type.name, after.fsm_type.name);
     const bool same_core = before.core_type.name == after.core_type.name;
     if (!same_core) edit.core = after.core_type;
-    edit.values = Values::defaults;  // what the file leaves out is a default
+    edit.values = Values::defaults;  // a property that the file leaves out has its default
     if (before.fsm_type.name != after.fsm_type.name) edit.fsm = after.fsm_type;
     fallback(now, then, edit);
     properties_and_ports(now, then, same_core, edit);

@@ -39,12 +39,13 @@ struct Line {
 /// A line: `before` is null in an addition, `after` in a removal.
 [[nodiscard]] Line make_line(std::string kind, std::string address, Value before, Value after);
 
-/// A change, and how to say it. Nothing differs: no lines, and the change is empty.
+/// A change, and its description as lines. When nothing differs, there are no lines and the change
+/// is empty.
 struct Difference {
   Change change;
   std::vector<Line> lines;
   /// Resources that get another contract under their name, while others use them or with a state.
-  /// Such a change wants Sync::barrier; as compared, it is a cut.
+  /// Such a change needs Sync::barrier; compare() leaves it a cut.
   std::vector<std::string> exchanged;
 };
 

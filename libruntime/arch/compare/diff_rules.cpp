@@ -35,7 +35,7 @@ Value permissions(const rules::Supervision& supervision) {
   return all;
 }
 
-/// A line for each one that differs; the order in the file says nothing.
+/// Adds a line for each entry that differs; the order in the file has no meaning.
 void compare_named(const char* kind, const Value& present, const Value& wanted,
                    std::vector<Line>& lines) {
   const auto address = [kind](const std::string& name) { return std::string(kind) + "." + name; };

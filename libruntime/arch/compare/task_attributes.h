@@ -10,7 +10,7 @@
 
 namespace mauve::arch {
 
-/// Writes the attributes that the file says; the others stay. [any]
+/// Writes the attributes that the file gives; the others stay. [any]
 void write_attributes(const TaskSpec& spec, TaskAttributes& task);
 
 /// Reads `json`, the text of one JSON value, by the rules of the architecture file; null takes the
@@ -18,7 +18,8 @@ void write_attributes(const TaskSpec& spec, TaskAttributes& task);
 [[nodiscard]] Status set_attribute(TaskAttributes& task, const std::string& at,
                                    const std::string& name, const std::string& json);
 
-/// The value as the architecture file writes it; null where the attribute says nothing. [any]
+/// The value as the architecture file writes it; null for an attribute that the file leaves out.
+/// [any]
 [[nodiscard]] Result<Value> attribute_of(const TaskAttributes& task, const std::string& at,
                                          std::string_view name);
 

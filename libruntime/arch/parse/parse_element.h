@@ -20,7 +20,7 @@ namespace mauve::arch {
 /// "plugin/name", or a built-in.
 [[nodiscard]] std::optional<PlacedText> read_type(const Source& source);
 
-/// Makes a reader that keeps what `read` returns, with its place.
+/// Makes a reader that keeps the value that `read` returns, with its place.
 template <typename T, typename Read>
 auto placed(std::optional<Placed<T>>& into, Read read) {
   return [&into, read](const Source& source) {

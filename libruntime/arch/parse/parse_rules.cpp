@@ -113,7 +113,7 @@ void read_step(const Source& source, StepSpec& spec) {
   }
 }
 
-/// The step goes on only when it says what to do, once.
+/// Finds the one action of a step. False when there is none, or more than one; that is reported.
 bool find_action(const Source& source, Action& action) {
   std::vector<std::string> words;
   std::vector<Action> found;

@@ -64,7 +64,7 @@ struct ElementSpec {
 struct ResourceSpec : ElementSpec {
   std::optional<PlacedText> data;  ///< "laser_scan/1", for resources made for any data type
   std::optional<Placed<Duration>> lock_budget;
-  bool cross_core = false;  ///< reserved: read, and used by nobody yet
+  bool cross_core = false;  ///< reserved: it is read, and not used yet
 };
 
 /// `"fallback_core": "guidance/stop"` or `{ "core": "...", "properties": { "core.gain": 0.1 } }`

@@ -30,7 +30,7 @@ struct Problem {
 /// "rover.json:12:5: control.task.priority: must be from 1 to 98 (hint)".
 [[nodiscard]] std::string to_string(const Problem& problem, std::string_view file);
 
-/// Collects what several passes find. [any], one thread at a time.
+/// Collects the problems that several passes find. [any], one thread at a time.
 class Problems {
  public:
   void add(Position where, Error error);

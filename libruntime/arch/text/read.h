@@ -17,7 +17,7 @@
 
 namespace mauve::arch {
 
-/// A value with its dotted address, and where to report what is wrong with it.
+/// A value with its dotted address, and the list to which its problems are reported.
 struct Source {
   const Node& node;
   std::string at;
@@ -31,7 +31,7 @@ struct Source {
   [[nodiscard]] Source inner(const Node& value, std::string_view name) const;
 };
 
-/// A key that an object may have, and what to do with its value.
+/// A key that an object may have, and the reader of its value.
 struct Field {
   std::string_view key;
   std::function<void(const Source&)> read;
@@ -41,7 +41,7 @@ struct Field {
 /// the members, or null when the value is no object (reported).
 const Node::Object* read_object(const Source& source, std::initializer_list<Field> fields);
 
-/// Reports an object without this key; `example` is what to write.
+/// Reports an object without this key; `example` is a text that would do.
 void require_key(const Source& source, const Node::Object& members, std::string_view key,
                  std::string_view example);
 
