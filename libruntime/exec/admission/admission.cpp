@@ -44,7 +44,7 @@ TimedComponent timed(const Deployed& deployed) {
   return {deployed.component->name(), &bundle, bundle.fsm.get(), cpus, measured(deployed), 0};
 }
 
-/// As it is after the change.
+/// The component as it is after the change.
 TimedComponent timed_after(const Deployed& deployed, const Bundle& base, const Bundle& next) {
   TimedComponent after = timed(deployed);
   after.bundle = &next;
@@ -127,7 +127,7 @@ bool has(const std::vector<Problem>& problems, const Problem& problem) {
   });
 }
 
-/// One line names all jobs whose execution time nobody declared.
+/// One line names all jobs without a declared execution time.
 std::vector<std::string> warnings_of(const std::vector<Problem>& problems) {
   std::vector<Problem> others;
   std::string unknown;
@@ -161,12 +161,12 @@ std::vector<Problem> problems_brought(const analysis::TaskSet& before,
   return found;
 }
 
-/// By Admission::strict.
+/// Would Admission::strict admit this change?
 bool admits(const analysis::TaskSet& before, const analysis::TaskSet& after) {
   return problems_of(after).empty() && problems_brought(before, after).empty();
 }
 
-/// Whose jobs are others after the change.
+/// The names of the tasks that have other jobs after the change.
 std::vector<std::string> changed_tasks(const PreparedChange::Content& change) {
   std::vector<std::string> names;
   for (const PreparedMember& member : change.members) {

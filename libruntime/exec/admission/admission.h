@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Admission of the running system and of its changes, as DeployOptions::admission says.
+/// Admission of the running system and of its changes, by the rule in DeployOptions::admission.
 #pragma once
 
 #include <map>
@@ -12,12 +12,13 @@
 
 namespace mauve::exec {
 
-/// Before the first release; a missing proof goes to the warnings of the system. [control]
+/// Admits the system before its first release; a missing proof goes to the warnings of the system.
+/// [control]
 Status admit_deployment(System& system);
 
-/// A prepared change: the warnings for its receipt, or the first problem. A barrier only moves
-/// releases apart, of members and of bystanders, so the proof for the cut holds for it. [factory]
-/// or [control], under System::model.
+/// Admits a prepared change: the warnings for its receipt, or the first problem. A barrier only
+/// moves releases apart, of members and of bystanders, so the proof for the cut holds for it.
+/// [factory] or [control], under System::model.
 [[nodiscard]] Result<std::vector<std::string>> admit_change(System& system,
                                                             const PreparedChange::Content& change);
 
@@ -26,7 +27,7 @@ Status admit_deployment(System& system);
 [[nodiscard]] bool admit_standby(System& system, const PreparedChange::Content& change,
                                  const PreparedMember& standby);
 
-/// Of what runs now. [control]
+/// The timing of the running system. [control]
 [[nodiscard]] Timing analyze(System& system);
 /// Only the response of each component, where it is known: a small part of the work. [control]
 [[nodiscard]] std::map<std::string, Duration> responses(System& system);

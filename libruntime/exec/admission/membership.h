@@ -6,11 +6,12 @@
 
 namespace mauve::exec {
 
-/// Makes its task and its thread, parked and not shown to anybody yet. [control]
+/// Makes the task and the thread of a component that joins. The task is parked, and hidden until
+/// its change is in force. [control]
 Result<Deployed*> let_in(System& system, ComponentBase& component);
 
-/// Ends its thread, which is parked and has no change under way. It has no component from then on.
-/// False: the thread does not end, and is abandoned. [control]
+/// Ends the thread of a component that leaves: it is parked and has no change under way. `deployed`
+/// has no component from then on. False: the thread does not end, and is abandoned. [control]
 bool let_go(System& system, Deployed& deployed);
 
 }  // namespace mauve::exec

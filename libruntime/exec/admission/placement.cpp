@@ -56,7 +56,7 @@ Placement::Placement(const System& system) {
   }
 }
 
-/// These CPUs, and those of every task that shares one of them, and so on.
+/// These locks, those of every task that shares one of them, and so on.
 std::set<ResourceBase*> Placement::linked_by(std::set<ResourceBase*> locks) const {
   for (std::size_t before = 0; before != locks.size();) {
     before = locks.size();

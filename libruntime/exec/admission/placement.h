@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// On which CPU a component runs whose task names none.
+/// The CPU of each component whose task names none.
 #pragma once
 
 #include <set>
@@ -22,7 +22,7 @@ namespace mauve::exec {
 /// The CPUs of each task. Admission asks it for the CPUs that deployment will choose.
 class Placement {
  public:
-  /// Of those that are there; their order counts.
+  /// Begins with the deployed components; their order counts.
   explicit Placement(const System& system);
 
   struct Seat {
@@ -47,7 +47,7 @@ class Placement {
   std::vector<std::set<ResourceBase*>> all_;  ///< locks of each, placed or not
 };
 
-/// Chooses the CPU of one that is not among the deployed yet, or has none so far.
+/// Chooses the CPU of a component that is not deployed yet, or that has none so far.
 void place(System& system, Deployed& deployed);
 
 }  // namespace mauve::exec

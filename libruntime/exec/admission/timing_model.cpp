@@ -78,7 +78,7 @@ std::vector<analysis::Section> TimingModel::sections_of(const TimedComponent& co
   return sections;
 }
 
-/// Looked at once: it may be held while this is worked out.
+/// The lock is read once, since callers may hold it while the model is computed.
 const LockTiming& TimingModel::lock_of(const ResourceBase& resource) {
   const auto [found, is_new] = locks_.try_emplace(resource.name());
   LockTiming& lock = found->second;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// TimingModel: components as the analysis of response times wants them.
+/// TimingModel: components in the form that the analysis of response times needs.
 #pragma once
 
 #include <map>
@@ -25,7 +25,7 @@ struct TimedComponent {
   std::uint64_t version = 0;  ///< another number: another core or state machine
 };
 
-/// Declared holds that a change brings.
+/// The lock budgets that a change brings.
 using Holds = std::map<const ResourceBase*, Duration>;
 
 class TimingModel {

@@ -17,7 +17,7 @@ namespace mauve::exec {
 [[nodiscard]] std::string sentence(const Error& error);
 [[nodiscard]] std::vector<std::string> sentences(const std::vector<analysis::Problem>& problems);
 
-/// Of the job with the least slack, where it can be said.
+/// The response time of the job with the least slack, where it is known.
 [[nodiscard]] std::optional<Duration> response_of(const analysis::TaskReport& task);
 
 /// The assumed costs of the machine, in words.

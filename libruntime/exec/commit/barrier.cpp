@@ -27,7 +27,7 @@ Member member_at(Deployed& deployed, TaskUpdate::Barrier step, std::uint64_t num
   return member;
 }
 
-/// An abandoned thread may hold it for good.
+/// False also for a resource that an abandoned thread holds for good.
 bool is_free(ResourceBase& resource) {
   if (!resource.lock().try_enter()) return false;
   resource.lock().leave();
@@ -199,7 +199,7 @@ bool Barrier::hand_over() {
   return true;
 }
 
-/// A converter held [control] up, so that a stop was carried out without it; or none was.
+/// The member that a direct stop parked while a converter held [control] up; null: none.
 const Deployed* Barrier::halted() const {
   MAUVE_ON_THREAD(control);
   const auto found = std::find_if(gathered_.begin(), gathered_.end(), [](const Deployed* one) {

@@ -28,32 +28,33 @@
 
 namespace mauve::exec {
 
-/// While they wait, outputs stay as they are: nobody waits longer for one that does not come, nor
-/// for converters.
+/// While members wait, their outputs stay as they are. So they wait no longer than this for a late
+/// member, or for converters.
 inline constexpr Duration kLongestWait = 500ms;
 
 class Barrier {
  public:
   explicit Barrier(System& system) : system_(system) {}
 
-  /// Is everything as it was prepared? Nothing has happened, and nothing does here.
+  /// Is everything as it was when the change was prepared? Changes nothing.
   Status check(const PreparedChange::Content& content);
-  /// Lets all of these wait that run, and the bystanders.
-  /// `number`: of the change.
+  /// Lets these members wait, as far as they run, and the bystanders. `number` is that of the
+  /// change.
   void begin(const std::vector<Deployed*>& members, std::uint64_t number);
-  /// True when all wait, or nobody does any more.
+  /// True when all members wait, or when none waits any more.
   bool advance();
   [[nodiscard]] bool all_wait() const { return phase_ == Phase::waiting; }
   /// A waiting member goes on with its bundle. Without effect once the hand-over has begun.
   void call_off(Error why);
-  /// Because a stop of this one was asked for.
+  /// Calls the barrier off when this component is a member: a stop of it was asked for.
   void give_way(const Deployed& stopped);
-  /// Only when all wait; from here on nothing can fail. False: somebody is inside a resource, and
-  /// it is called off.
+  /// Hands the states over; call it only when all members wait. After true nothing can fail. False:
+  /// a thread is inside a resource, a converter failed or a stop came, and the barrier is called
+  /// off.
   bool hand_over(const std::vector<PreparedResource>& changed);
   /// The members that let the bystanders go on together with the members of the change.
   [[nodiscard]] std::vector<Member> go_on() const;
-  /// Nobody waits any more.
+  /// The bystanders may take part in other changes again.
   void end();
 
   /// Why it was called off.

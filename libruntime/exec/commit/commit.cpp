@@ -48,8 +48,8 @@ Status check_resource(const PreparedResource& change) {
                 "was changed by somebody else while this change was prepared", "try again");
 }
 
-/// The maker of the newest generation is going to look at it: for some looks `next` makes no
-/// other one. The parts of a stop do not wait for each other. [control]
+/// True while the command that made the newest generation has not read its result: for some calls,
+/// `next` makes no other generation. The parts of a stop do not wait for each other. [control]
 bool leaves_newest_in_place(System& system, const Commit& next) {
   MAUVE_ON_THREAD(control);
   constexpr unsigned kLooks = 8;
@@ -104,7 +104,7 @@ Commit::Commit(System& system, Content content, TwoPhaseCommit::Kind kind, Durat
   }
 }
 
-/// Nothing has happened, and nothing will.
+/// Ends the commit with an error: nothing has changed, and nothing will.
 void Commit::refuse_all(Error error) {
   let_go_new();
   heritage_.let_go();
@@ -315,7 +315,7 @@ bool Commit::all_changed() {
   const bool settled = swap_->advance();
   report_attempt();
   if (!answered() && leaves_newest_in_place(system_, *this)) return false;
-  // Behind a barrier nobody is in a job.
+  // Behind a barrier no member is in a job.
   const bool late = barrier_ == nullptr && swap_->result().state == SwapResult::State::waiting;
   const bool shows = kind_ == TwoPhaseCommit::Kind::order || settled;
   for (std::size_t i = 0; shows && i < deployed_.size(); ++i) {

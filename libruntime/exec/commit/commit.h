@@ -18,10 +18,11 @@
 
 namespace mauve::exec {
 
-/// After the decision a member takes its bundle in the wait it is in, or after the job it is in.
+/// After the decision a member applies its update in its present wait, or after its present job.
 inline constexpr Duration kLongestJob = 2s;
 
-/// A prepared change taking effect. Lives in System::under_way until no member is left to wait for.
+/// A prepared change while it takes effect. It lives in System::under_way until no member is left
+/// to wait for.
 class Commit final : public Ongoing, public std::enable_shared_from_this<Commit> {
  public:
   using Content = std::shared_ptr<PreparedChange::Content>;
@@ -41,7 +42,7 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   void give_way(const Deployed& stopped) {
     if (barrier_ != nullptr && swap_ == nullptr) barrier_->give_way(stopped);
   }
-  /// Of the members that have answered so far.
+  /// The receipt of the members that have answered so far.
   [[nodiscard]] const Receipt& receipt() const { return receipt_; }
   [[nodiscard]] Result<Receipt> result() const override;
   Retired& retired() override { return retired_; }
@@ -90,14 +91,14 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   std::unique_ptr<Barrier> barrier_;        // null: the cut
   std::unique_ptr<TwoPhaseCommit> swap_;    // null: not yet past the barrier
   std::shared_ptr<Rollback> rollback_;      // null: no probation
-  /// Of the changes before that this one concerns while they are on probation.
+  /// The rollbacks of those earlier changes on probation that this change concerns.
   std::vector<std::shared_ptr<Rollback>> before_;
-  Heritage heritage_;  // of those among them that it joins
+  Heritage heritage_;  // of those changes that this one joins
   std::vector<MemberRollback> rollbacks_;
   std::uint64_t number_ = 0;       // of the change, in a trace
   std::uint64_t back_number_ = 0;  // of the rollback; 0: no probation
   unsigned attempts_reported_ = 0;
-  Instant back_by_ = 0;  // some member hangs, the others are rolled back; zero: nobody is
+  Instant back_by_ = 0;  // until then the others go back, since a member hangs; zero: none
   Receipt receipt_;
   Retired retired_;
   std::optional<Result<Receipt>> result_;

@@ -40,7 +40,7 @@ void Commit::enter(std::size_t index) {
   }
   schedule(system_, *deployed_[index]);
   system_.runner->look_again();
-  // Where a lost thread is inside, it is freed when that has ended: see collect().
+  // Elements that an abandoned thread may use are freed when that thread has ended: see collect().
   const bool lost = system_.runner->has_abandoned(deployed_[index]->task.get());
   // adopt() deals with the elements that a rollback may need, when the change joins the one before.
   if (heritage_.origin_of(*member.component) == nullptr) {
@@ -114,7 +114,7 @@ void Commit::conclude() {
   if (heritage_.changes().empty()) overtake_before();
   enter_resources();
   if (system_.runner->has_abandoned())
-    system_.retired.keep(content_);  // it may be inside of what leaves
+    system_.retired.keep(content_);  // an abandoned thread may be inside a leaving element
   receipt_.state = ChangeState::applied;
   receipt_.commit = Duration{swapped.instant - system_.t0};
   receipt_.attempts = swapped.attempts;

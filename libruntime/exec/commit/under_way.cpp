@@ -10,8 +10,9 @@
 
 namespace mauve::exec {
 
-/// Probations first: a stop may make a task forget the rollback that it took. But they wait until
-/// the maker of a change knows its generation, which is saved before the next one comes.
+/// Probations come first: a stop may make a task forget the rollback that it took. But they wait
+/// until the command that made a change has read its generation, which is saved before the next one
+/// comes.
 void advance(System& system) {
   system.looks.fetch_add(1);
   if (system.stands_still > 0) return;
@@ -22,7 +23,7 @@ void advance(System& system) {
   });
 }
 
-/// A maker that has let it go never asks.
+/// A command that has dropped its commit never asks for the result.
 bool is_unreported(const System& system) {
   const auto last = system.last_transaction.lock();
   if (last == nullptr || !last->is_unreported()) return false;

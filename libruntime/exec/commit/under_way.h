@@ -10,7 +10,7 @@
 
 namespace mauve::exec {
 
-/// Begins the commit; it goes on while anybody calls advance().
+/// Begins the commit; each call of advance() takes it further.
 std::shared_ptr<Commit> begin_commit(System& system, PreparedChange& change,
                                      TwoPhaseCommit::Kind kind = TwoPhaseCommit::Kind::transaction,
                                      Duration longest_job = kLongestJob);
@@ -19,7 +19,7 @@ std::shared_ptr<Commit> begin_commit(System& system, PreparedChange& change,
 void advance(System& system);
 /// The maker of the last transaction has not asked for its result yet.
 [[nodiscard]] bool is_unreported(const System& system);
-/// Probations and standby cores: may change the model.
+/// Advances probations and standby cores, which may change the model.
 void look_after_itself(System& system);
 
 }  // namespace mauve::exec

@@ -6,7 +6,8 @@
 
 namespace mauve::exec {
 
-/// From now on; until System::crash_handler is reset. Nothing where signals cannot be handled.
+/// Starts the crash handler, which lives until System::crash_handler is reset. Does nothing where
+/// signals cannot be handled.
 Status prepare_crash_handler(System& system);
 
 }  // namespace mauve::exec

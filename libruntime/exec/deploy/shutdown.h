@@ -14,7 +14,8 @@ class System;
 /// shutdown(): see Deployer.
 std::vector<std::string> bring_down(System& system, Duration bound);
 
-/// Of one component, when the whole stop should not take much longer than `bound`.
+/// How long a stop waits for one component, so that the whole stop takes little longer than
+/// `bound`.
 [[nodiscard]] Duration patience_within(Duration bound);
 
 }  // namespace mauve::exec

@@ -61,11 +61,11 @@ std::map<const Deployed*, std::size_t> stage_numbers(const std::list<Deployed>& 
   return stage;
 }
 
-/// Longer than this nobody waits for a slow reader's next job.
+/// A stop waits no longer than this for a slow reader's next job.
 constexpr Duration kNearRelease = 100ms;
-/// Nor longer than this for all of them.
+/// It waits no longer than this for all readers together.
 constexpr Duration kReadersMayTake = 500ms;
-/// For the safe values of one component, by services that may be code of a plugin.
+/// The time for the safe values of one component: services that write them may be code of a plugin.
 constexpr Duration kWritingMayTake = 200ms;
 
 }  // namespace

@@ -21,8 +21,8 @@ Duration longest_wait(const Bundle& bundle) {
   return longest;
 }
 
-/// Releases that pass while its thread is late or in a job: it counts them when it comes to them.
-/// The newest one still runs, and so does the one whose job is under way.
+/// The missed releases that the thread has not counted yet, because it is late or in a job. They do
+/// not include the newest one, which still runs, and the one whose job is under way.
 std::uint64_t passing(const Deployed& deployed, const ComponentStatus& status, Instant since_t0) {
   const Bundle& bundle = *deployed.component->bundle();
   const Duration overdue = Duration{since_t0} - status.next_release;
@@ -33,8 +33,9 @@ std::uint64_t passing(const Deployed& deployed, const ComponentStatus& status, I
   return deployed.task->watch().busy_since() > 0 ? due - 1 : due;
 }
 
-/// Until a job ends, `release` is its own; which wait it will end in is not known before. So the
-/// longest one is its time, and as much again passes before it is called late.
+/// How late the job under way is; `release` is its own until it ends. Its wait is not known before,
+/// so its time is the deadline, else the longest wait. It counts as late after another longest
+/// wait.
 Duration lateness_of(const Bundle& bundle, Duration release, Instant since_t0) {
   const Duration longest = longest_wait(bundle);
   const Duration time = bundle.task.deadline > Duration{0} ? bundle.task.deadline : longest;

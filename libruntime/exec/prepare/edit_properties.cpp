@@ -63,7 +63,6 @@ bool touches(const Edit& edit, std::string_view element) {
                      [&](const auto& property) { return split(property.first).first == element; });
 }
 
-/// A remade element starts with the values of the one it replaces.
 Status copy_properties(const Configurable& from, Configurable& into) {
   for (const PropertyBase* old : from.properties()) {
     PropertyBase* same = into.find_property(old->name());
@@ -120,7 +119,6 @@ Status check_paths(const Edit& edit, const std::vector<std::string_view>& elemen
   return ok();
 }
 
-/// An integrator must not vanish silently.
 Status check_state_survives(const CoreBase& core, const Edit& edit) {
   const bool same_core = !edit.core.has_value();
   if (!same_core || edit.state == StatePolicy::drop) return ok();

@@ -15,7 +15,7 @@ namespace mauve::exec {
 
 /// A remade element starts with the values of the one it replaces.
 Status copy_properties(const Configurable& from, Configurable& into);
-/// A core of another type: see Edit::values.
+/// Gives a core of another type its first values: see Edit::values.
 Status keep_values(const Configurable& from, const Edit& edit, Configurable& into);
 
 /// Sets the properties that the edit gives for the element called `name`.
@@ -24,7 +24,7 @@ Status set_properties(const Edit& edit, std::string_view name, Configurable& ele
 /// Refuses paths that lead to none of these elements.
 Status check_paths(const Edit& edit, const std::vector<std::string_view>& elements);
 
-/// An integrator must not vanish silently.
+/// Refuses an edit that would lose the state of the core: an integrator must not vanish silently.
 Status check_state_survives(const CoreBase& core, const Edit& edit);
 
 }  // namespace mauve::exec

@@ -163,7 +163,7 @@ class Preparation {
   /// A standby core that cannot be made does not delay the change: [control] tries again, and
   /// reports it, once the change is in force.
   Status make_standby_cores(bool configure) {
-    if (!configure) return ok();  // in place nothing is configured beside what runs
+    if (!configure) return ok();  // a swap in place configures nothing beside the running core
     for (PreparedMember& member : content_->members) {
       const std::optional<Edit> edit = standby_of(system_, *content_, member);
       if (!edit) continue;

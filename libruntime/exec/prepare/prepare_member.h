@@ -17,7 +17,7 @@ Result<PreparedMember> prepare_member(const Afterwards& after, const Edit& edit,
 Result<PreparedMember> prepare_standby(const Afterwards& after, const Edit& edit,
                                        const PreparedMember& brings);
 
-/// Connects and configures a component that joins; nobody uses it yet.
+/// Connects and configures a component that joins; no thread uses it yet.
 Result<PreparedMember> prepare_joining(const Afterwards& after, const NewComponent& joining);
 
 }  // namespace mauve::exec

@@ -21,7 +21,7 @@ bool contains(const std::vector<std::string>& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// Does the edit say itself where this port goes?
+/// Does the edit itself connect or disconnect this port?
 bool speaks_of(const Edit& edit, std::string_view port) {
   return contains(edit.disconnect, port) ||
          std::any_of(edit.connect.begin(), edit.connect.end(),
