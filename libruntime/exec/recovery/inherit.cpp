@@ -103,7 +103,7 @@ void adopt_fallbacks(Content& before, Content& heir) {
   put_before(heir.fallbacks, before.fallbacks);
 }
 
-/// Of another class or another build.
+/// Does the change bring code of another class or another build?
 bool brings_code(const Content& change) {
   return std::any_of(change.members.begin(), change.members.end(), [](const auto& member) {
     return member.type || is_other_code(*member.base->shell, *member.next->shell) ||

@@ -24,8 +24,8 @@ struct MemberRollback;
                             const PreparedChange::Content& before);
 /// Starts and parks components, and nothing else: the rollback stays true.
 [[nodiscard]] bool changes_modes_only(const PreparedChange::Content& change);
-/// Else it ends the probation of the change before. Code that comes without a probation, for
-/// instance by a reload, does not: nothing is to roll back over it.
+/// Can the change join the change before? Else it ends the probation of that one. Code that comes
+/// without a probation, for instance by a reload, cannot join: no rollback may lead back over it.
 [[nodiscard]] bool can_join(const PreparedChange::Content& change,
                             const PreparedChange::Content& before);
 
@@ -34,7 +34,7 @@ struct MemberRollback;
 class Heritage {
  public:
   void add(ProbationPeriod& before);
-  /// Where this component is rolled back to; null: to where it was before this change.
+  /// The state to which this component is rolled back; null: its state before this change.
   [[nodiscard]] const Origin* origin_of(const ComponentBase& component) const;
   [[nodiscard]] bool has(const Rollback& before) const;
   /// The generations of the changes it joins.
@@ -53,7 +53,7 @@ class Heritage {
   std::vector<std::uint64_t> changes_;
 };
 
-/// Back over both changes.
+/// The origin of a rollback over both changes.
 [[nodiscard]] Origin further_back(const Origin& before, const Origin& now);
 
 /// `heir`, which joined the change `before` and is in force, becomes the change from before both to
@@ -62,8 +62,8 @@ class Heritage {
 void adopt(PreparedChange::Content& before, PreparedChange::Content& heir,
            const std::vector<MemberRollback>& members, Retired& retired);
 
-/// The consequences of the change for open probations, in sentences: which it joins, and which it
-/// ends early. [control]
+/// The consequences of the change for open probations, in sentences: those that it joins, and those
+/// that it ends early. [control]
 [[nodiscard]] std::vector<std::string> notes_of(const System& system,
                                                 const PreparedChange::Content& change);
 

@@ -59,7 +59,7 @@ ProbationPeriod::ProbationPeriod(System& system, std::shared_ptr<Content> conten
 
 ProbationPeriod::~ProbationPeriod() {
   if (phase_ == Phase::over || (phase_ == Phase::withdrawing && all_quiescent())) return;
-  // The system goes down: whose thread ended looks at nothing any more.
+  // The system goes down: a member whose thread has ended uses nothing any more.
   const auto ended = [](const MemberRollback& member) { return member.deployed->ended; };
   if (std::all_of(members_.begin(), members_.end(), ended)) return;
   for (MemberRollback& member : members_) {
@@ -188,7 +188,7 @@ OpenProbation ProbationPeriod::look() const {
   return open;
 }
 
-/// Its rollback is out of the task's hands meanwhile; it is parked, so it misses nothing.
+/// The rollback is out of the mailbox meanwhile; the task is parked, so it misses nothing.
 void ProbationPeriod::keep_parked() {
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
     Task& task = *members_[i].deployed->task;
@@ -201,7 +201,8 @@ void ProbationPeriod::keep_parked() {
   }
 }
 
-/// The tasks give the rollbacks up; each is freed when its thread has looked elsewhere.
+/// Takes the rollbacks out of the mailboxes; each is freed after the next quiescent point of its
+/// task.
 void ProbationPeriod::withdraw() {
   phase_ = Phase::withdrawing;
   for (MemberRollback& member : members_) {
@@ -280,7 +281,7 @@ void ProbationPeriod::install_old() {
     schedule(system_, *deployed);
     retire(*member.next, *member.base, retired_);
     static_cast<void>(
-        deployed->task->mailbox().reclaim());  // the words that it ran with; elements stay
+        deployed->task->mailbox().reclaim());  // frees the updates before; their elements stay
     if (member.part != Part::joins) continue;
     static_cast<void>(architecture.take_out(*member.component));
     static_cast<void>(let_go(system_, *deployed));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Probation: after a commit the old bundles stay ready, and the rollback to them is prepared. So a
-/// member that fails rolls all members back at their next release without asking anybody.
+/// member that fails rolls all members back at their next release, without [control].
 #pragma once
 
 #include <memory>
@@ -17,17 +17,17 @@
 
 namespace mauve::exec {
 
-/// The rollback of one member, which is handed out together with the way forth.
+/// The rollback of one member, which its task gets together with the update of the change.
 struct MemberRollback {
   Deployed* deployed = nullptr;
   Origin origin;
-  TaskUpdate* back = nullptr;  ///< owned by the way forth, then by the task
+  TaskUpdate* back = nullptr;  ///< owned by the update of the change, then by the task
   std::shared_ptr<const TaskUpdate::Answer> answer;
   std::uint64_t releases_before = 0;
-  std::uint64_t quiescent_after = 0;  ///< when it was withdrawn
+  std::uint64_t quiescent_after = 0;  ///< the count when it was withdrawn
   std::unique_ptr<TaskUpdate> withdrawn;
   bool in_force = true;            ///< the change is
-  std::uint64_t last_release = 0;  ///< until which it may be judged; 0: its time has not passed
+  std::uint64_t last_release = 0;  ///< the last one that is judged; 0: its time has not passed
 };
 
 /// One change on probation, or several that joined each other. [control]
@@ -35,8 +35,8 @@ class ProbationPeriod {
  public:
   using Content = PreparedChange::Content;
 
-  /// Of a change that is committed: its content, and the elements it replaced. `joined`: the
-  /// generations of the changes that it joined.
+  /// Begins the probation of a committed change. `content` is that of the change, `replaced` the
+  /// elements that it replaced, `joined` the generations of the changes that it joined.
   ProbationPeriod(System& system, std::shared_ptr<Content> content,
                   std::vector<MemberRollback> members, std::shared_ptr<Rollback> rollback,
                   Retired replaced, std::uint64_t number, std::vector<std::uint64_t> joined = {});
@@ -45,12 +45,13 @@ class ProbationPeriod {
   /// Checks whether it is over and reports the end in System::outcomes; false: nothing of it is
   /// left.
   bool advance();
-  /// Nobody can fail any more: the change stays. False: it is being rolled back already.
+  /// Ends the probation: the change stays, and no failure rolls it back any more. False: it is
+  /// being rolled back already.
   bool pass(const std::string& reason, Outcome::Kind kind = Outcome::Kind::passed);
   /// A newer change is in force, to which the rollback gave way.
   void overtake();
   /// A newer change is in force, which rolls its members back from now on. Elements that neither it
-  /// nor the rollback needs are freed with this; the elements that it replaced are the heir's.
+  /// nor the rollback needs are freed with this; those that it replaced belong to `heir`.
   void pass_on_to(Content& heir, const std::vector<MemberRollback>& members);
   /// As long as the caller holds this it does not end, except by a failure or undo().
   [[nodiscard]] std::shared_ptr<const void> hold();
@@ -64,9 +65,10 @@ class ProbationPeriod {
   bool undo(const std::string& reason);
   /// Everything stops: a component that a rollback brings back does not start again.
   void keep_parked();
-  /// Of a change that is not even in force everywhere: it never made a generation.
+  /// Lets the end go unreported: the change is not in force everywhere, so it never made a
+  /// generation.
   void go_quietly() { quiet_ = true; }
-  /// Unless going back takes too long.
+  /// Takes go_quietly() back, when the rollback takes too long: the change gets a generation.
   void report_after_all();
   [[nodiscard]] bool leads(const Rollback& back) const {
     return rollback_.get() == &back && !reported();
@@ -77,7 +79,7 @@ class ProbationPeriod {
   [[nodiscard]] bool reported() const {
     return phase_ == Phase::withdrawing || phase_ == Phase::over;
   }
-  /// Is freed after all that becomes free with it.
+  /// Keeps `owner` until all other elements that become free with it are freed.
   void keep_longest(std::shared_ptr<void> owner) { retired_.keep_longest(std::move(owner)); }
   /// The elements that may be destroyed now.
   Retired take_retired() { return std::move(retired_); }

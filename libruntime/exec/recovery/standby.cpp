@@ -51,7 +51,7 @@ void take_note(System& system, Deployed& deployed) {
   ComponentBase& component = *deployed.component;
   retire(*component.bundle(), *used.member->next, system.retired);
   static_cast<void>(
-      deployed.task->mailbox().reclaim());  // the words that it ran with; elements stay
+      deployed.task->mailbox().reclaim());  // frees the updates before; their elements stay
   const bool again = used.member->restart;
   ++system.revision;
   component.install(used.member->next);
@@ -83,7 +83,8 @@ void leave_failed(System& system, Deployed& deployed, Instant failed_at, const s
   system.runner->wake(*deployed.task);
 }
 
-/// Waits for a core that does not stand by; nothing else is on its way.
+/// Does the component wait for a standby core that is not there yet, with no other change under
+/// way?
 bool waits_for_standby(const System& system, const Deployed& deployed) {
   const bool other = deployed.hidden || deployed.changing || deployed.standby.content != nullptr;
   return !other && !is_rolled_back(system) && deployed.task->failed_core().at() != 0 &&

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Standby core: the core that takes over by itself when one fails: the fallback core of the file,
 /// or a fresh one of the same kind. It is made and configured beforehand and stands by in the task,
-/// which takes it at its next release without asking anybody.
+/// which applies it at its next release, without [control].
 #pragma once
 
 #include <memory>
@@ -33,7 +33,7 @@ namespace mauve::exec {
 /// Puts a prepared standby in readiness. [control]
 void put_in_readiness(System& system, PreparedChange& prepared);
 
-/// Enters standby_cores that took over in the model and reports them. A component whose core
+/// Enters standby cores that took over into the model, and reports them. A component whose core
 /// failed, and for which no standby is wanted, parks as faulted, which is reported too. [control]
 void look_after_standby_cores(System& system);
 

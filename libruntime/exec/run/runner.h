@@ -50,7 +50,7 @@ class Runner {
   virtual bool end(Task& task, Instant deadline) = 0;
   /// The time bound of a job has changed, so the guard of the threads looks again.
   virtual void look_again() {}
-  /// Abandoned threads and may still be in elements of this task, or of any.
+  /// May abandoned threads still be in elements of this task? Null: of any task?
   [[nodiscard]] virtual bool has_abandoned(const Task* /*task*/ = nullptr) const { return false; }
   /// Simulations: runs all jobs due by then.
   virtual void run_until(Instant /*instant*/) {}

@@ -193,8 +193,7 @@ class Threads final : public Runner {
     return true;
   }
 
-  // --- the guard
-  // ----------------------------------------------------------------------------------
+  // --- the guard ---------------------------------------------------------------------------------
 
   /// Real-time as soon as any component is.
   void start_guard() {
@@ -238,16 +237,16 @@ class Threads final : public Runner {
     }
   }
 
-  /// A release that is overdue by more than the bound of a job is one that this guard, which would
-  /// have ended that job, cannot bring about either.
+  /// False for a release that is overdue by more than the bound of a job. The guard would have
+  /// ended a job in its way by then, so the guard cannot help either.
   [[nodiscard]] bool is_served(const Worker& worker) const {
     const Instant bound = worker.task.bound(worker.attributes.priority > 0).count();
     return bound <= 0 || worker.quit.load() ||
            now() < worker.task.known_release() + bound + kBeyondBound.count();
   }
 
-  /// Past its bound: because its job goes on and on, or sleeps? Not one that more urgent threads,
-  /// or a host that stood still, keep from the processor.
+  /// Is a job past its bound because it runs on and on, or sleeps? A job that more urgent threads,
+  /// or a host that stood still, keep from the processor is not to blame.
   [[nodiscard]] static bool is_to_blame(const Worker& worker, Instant bound) {
     const Duration used = worker.thread.used() - worker.used_before;
     return used.count() >= bound / kShareToJudge * 9 / 10 || worker.thread.asleep();
@@ -263,7 +262,7 @@ class Threads final : public Runner {
     return true;
   }
 
-  /// Code of a core may have changed it: how urgent a component is, is not for that to say.
+  /// Code of a core may have changed its priority or CPUs, which only the architecture may set.
   static void restore_scheduling(Worker& worker) {
     const int priority = worker.attributes.priority;
     if (worker.quit.load() || priority <= 0) return;
@@ -319,7 +318,7 @@ class Threads final : public Runner {
     if (!started) self.task.park_for_good("its job never returns, and there is no new thread");
   }
 
-  /// Not before the system says that it has ended: nothing here may wait.
+  /// Joins each abandoned thread that has ended: the guard must not wait for one that runs.
   Instant join_lost() MAUVE_REQUIRES(mutex_) {
     std::erase_if(lost_, [](const std::unique_ptr<Worker>& worker) {
       if (worker->thread.running()) return false;

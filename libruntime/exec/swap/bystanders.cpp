@@ -56,7 +56,8 @@ std::vector<ComponentBase*> bystanders_of(const System& system,
   return bystanders;
 }
 
-/// Nobody waits longer than the longest job of the others takes, and the coordinator to act.
+/// No component waits longer than the longest job of the others and the time that the coordinator
+/// needs to act.
 std::vector<PreparedBarrier::Wait> waits_of(System& system,
                                             const PreparedChange::Content& content) {
   constexpr Duration kCoordinator = 400us;

@@ -66,7 +66,7 @@ bool ResourceUpdate::apply(Instant release) {
   return true;
 }
 
-/// Under the lock.
+/// Applies the update. Under the lock.
 void ResourceUpdate::take() {
   const Instant begin = MonotonicClock().now();
   for (const auto& [port, before] : safe_writes_) write_quietly(*port, *before, true);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The change of one resource. A resource has no thread: the first caller whose job is released at
 /// or after the instant applies the change under the resource's own lock. The coordinator does so
-/// when nobody comes.
+/// when no caller comes.
 #pragma once
 
 #include <atomic>
@@ -35,16 +35,17 @@ class ResourceUpdate final : public PendingUpdate {
     dropped,  ///< aborted, revoked or never claimed: the resource is untouched
   };
 
-  /// Arms it. The transaction outlives it.
+  /// Arms the update: the next callers see it. The decision outlives it.
   ResourceUpdate(ResourceBase& resource, ResourceParts parts, StatePolicy state,
                  Decision& decision);
-  /// Nobody visits it any more: see disarm().
+  /// Only after disarm() returned true: no caller uses it any more.
   ~ResourceUpdate() override;
 
   bool apply(Instant release) override;
-  /// Takes the change itself once the instant has passed, unless somebody is inside. [control]
+  /// Applies the update in place of a caller once the instant has passed, unless a caller is inside
+  /// the resource. [control]
   void help(Instant now);
-  /// Takes it back if nobody took it. [control]
+  /// Revokes the update, unless a caller has claimed it. [control]
   void revoke();
   /// True when no caller can still be looking at it. [control]
   [[nodiscard]] bool disarm();

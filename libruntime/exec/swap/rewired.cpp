@@ -75,7 +75,7 @@ bool leaves(const Content& content, const ComponentBase& component) {
   return member != nullptr && member->part == Part::leaves;
 }
 
-/// Of the resource after the change.
+/// The connections of the resource after the change.
 const Bindings& bindings_after(const Content& content, const ResourceBase& resource) {
   for (const PreparedResource& changed : content.resources) {
     if (changed.resource == &resource && changed.parts.bindings != nullptr) {
@@ -178,7 +178,7 @@ Status check_connections(const Architecture& architecture, const Content& conten
   return ok();
 }
 
-/// Of all resources as they are after the change: each edit alone may be sound.
+/// Checks all resources as they are after the change, since each edit alone may be sound.
 Status check_nesting(const Architecture& architecture, const Content& content) {
   ResourceGraph graph(architecture);
   for (const ResourceBase* leaving : content.leaving_resources) graph.remove(*leaving);

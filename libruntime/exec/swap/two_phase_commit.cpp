@@ -14,8 +14,8 @@ namespace {
 constexpr Duration kShortestLead = 200us;
 constexpr Duration kLeadPerMember = 1us;
 
-/// Decided before it is published. It gets its instant when every member has it, so that nothing
-/// that holds up [control] meanwhile lets a member pass the instant unaware of it.
+/// An order is decided before it is published. It gets its instant when every member has it, so
+/// that nothing that holds up [control] meanwhile lets a member pass the instant unaware of it.
 class Order final : public Decision {
  public:
   Order() : Decision(kNever, State::committed) {}
@@ -36,7 +36,7 @@ TwoPhaseCommit::TwoPhaseCommit(std::vector<Member> members, std::vector<Resource
       kind_(kind),
       before_(std::move(before)),
       lead_(std::max(kShortestLead, kLeadPerMember * static_cast<std::int64_t>(members_.size()))) {
-  // Resources alone wait for nobody: their callers meet the change from now on.
+  // A change of resources alone waits for no task: their callers meet it from now on.
   if (members_.empty()) lead_ = Duration{0};
   attempt();
 }
@@ -49,8 +49,8 @@ TwoPhaseCommit::~TwoPhaseCommit() {
     keep_for_abandoned(std::shared_ptr<ResourceUpdate>(std::move(update)));
     in_use = true;
   }
-  // When the wait for a change ended, or the system goes down over it, a thread may be about to
-  // look.
+  // A thread may be about to read a decision when the wait for it was ended, or when the system
+  // goes down over it.
   for (const Member& member : members_) in_use = in_use || member.update != nullptr;
   if (!in_use) return;
   for (auto& decision : decisions_) keep_for_abandoned(std::move(decision));
@@ -88,7 +88,7 @@ void TwoPhaseCommit::attempt() {
 }
 
 void TwoPhaseCommit::publish(Member& member) {
-  static_cast<void>(member.task->mailbox().reclaim());  // words of changes before, no elements
+  static_cast<void>(member.task->mailbox().reclaim());  // frees old updates; their elements stay
   member.next->decision = decisions_.back().get();
   member.next->answer->progress = Progress::published;
   member.answer = member.next->answer;
@@ -143,13 +143,13 @@ bool TwoPhaseCommit::advance() {
   return false;
 }
 
-/// One of the changes before.
+/// Is one of the earlier changes rolled back?
 bool TwoPhaseCommit::is_rolled_back() const {
   return std::any_of(before_.begin(), before_.end(),
                      [](const std::shared_ptr<Rollback>& before) { return before->rolls_back(); });
 }
 
-/// Some caller is about to change a resource: an instant later that is settled.
+/// Is a caller just applying an update? That is settled in a moment.
 bool TwoPhaseCommit::is_taking() const {
   return std::any_of(resources_.begin(), resources_.end(), [](const ResourceMember& member) {
     return member.update->state() == ResourceUpdate::State::taking;
@@ -167,7 +167,7 @@ void TwoPhaseCommit::settle(Member& member) {
     member.failed = member.answer->failed;
     member.in_force = true;
     static_cast<void>(
-        member.task->mailbox().reclaim());  // what it ran with before: words, no elements
+        member.task->mailbox().reclaim());  // frees the updates before; their elements stay
   } else {
     member.next.reset(member.update);  // untouched, ready for another attempt
   }
@@ -175,8 +175,8 @@ void TwoPhaseCommit::settle(Member& member) {
   member.settled = true;
 }
 
-/// Some member does not come to a boundary, or does not end its first job after it. Takes back the
-/// updates that nobody has claimed.
+/// Some member does not come to a boundary, or does not end its first job after it. Revokes the
+/// updates that no task has claimed.
 void TwoPhaseCommit::stop_waiting() {
   if (kind_ == Kind::order) {
     result_.state = SwapResult::State::waiting;

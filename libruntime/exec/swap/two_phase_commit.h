@@ -8,9 +8,9 @@
 ///     unless tc is too near: -> aborted            committed: take it; aborted: give it back
 ///   wake members that sleep                      asleep and r >= tc, committed: take it now
 ///
-/// The first change of the word decides for all: jobs released before tc are old everywhere, at
-/// or after tc new everywhere, or nothing happened. No member ever waits for another, and the
-/// coordinator only looks now and then how far they are. A resource has no thread: see
+/// The first change of the word decides for all: jobs released before tc are old everywhere, at or
+/// after tc new everywhere, or nothing happened. No member ever waits for another, and the
+/// coordinator only looks now and then at their progress. A resource has no thread: see
 /// resource_update.h.
 #pragma once
 
@@ -84,7 +84,7 @@ class TwoPhaseCommit {
   /// Settles the members that have answered; tries again after a missed instant; stops waiting when
   /// the time is over. Never waits. True when no member is left to wait for.
   bool advance();
-  /// Takes back the updates that nobody has claimed yet, before the time is over.
+  /// Revokes the updates that no task has claimed yet, before the time is over.
   void call_off() {
     if (result_.state == SwapResult::State::under_way) stop_waiting();
   }

@@ -31,16 +31,16 @@ void retire(const Bundle& old, const Bundle& now, Retired& retired);
 /// Gives the thread the priority and the CPUs of its committed bundle. [control]
 void schedule(System& system, Deployed& deployed);
 
-/// Of states that no core took, in the receipt of a member.
+/// Enters the states that no core took into the receipt of a member.
 void say_dropped(const CoreBase& from, const CoreBase& into, StatePolicy policy,
                  MemberReceipt& row);
 
-/// One remark for each state of which the new core believes the author that its fields lie as in
-/// the core before.
+/// Adds a note for each state whose description has no fields, so that only its name and size were
+/// compared.
 void note_unexamined(const std::string& at, const CoreBase& from, const CoreBase& into,
                      StatePolicy policy, std::vector<std::string>& notes);
 
-/// Components get these fallback cores, and leave here those they had.
+/// Exchanges the fallback cores of components with these.
 void exchange_fallbacks(Architecture& architecture, std::vector<NewFallback>& fallbacks);
 
 }  // namespace mauve::exec

@@ -68,7 +68,7 @@ std::string fill_in(std::string text, const LogArgument& a, const LogArgument& b
   return text;
 }
 
-/// Where it failed.
+/// The state in which it failed, as a clause.
 std::string in_state(const rt::Event& event) {
   if (event.literal == nullptr) return {};
   return ", in state " + std::string(event.literal, static_cast<std::size_t>(event.b.integer));

@@ -17,7 +17,7 @@ struct Bundle;
 
 namespace mauve::exec {
 
-/// A job that runs longer never returns.
+/// The bound of the jobs of this bundle: a job that runs longer never returns.
 [[nodiscard]] Duration bound_of(const Bundle& bundle);
 
 /// The first update of the task of a component that joins or is deployed.
@@ -25,9 +25,9 @@ namespace mauve::exec {
 
 /// The update of the task of this member.
 [[nodiscard]] std::unique_ptr<TaskUpdate> make_update(const PreparedMember& member);
-/// Where it was.
+/// The state to which a rollback leads this member.
 [[nodiscard]] Origin origin_of(const PreparedMember& member, bool was_running);
-/// The update that rolls the task of this member back there.
+/// The update that rolls the task of this member back to `origin`.
 [[nodiscard]] std::unique_ptr<TaskUpdate> make_rollback(const PreparedMember& member,
                                                         const Origin& origin);
 

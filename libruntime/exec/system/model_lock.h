@@ -15,7 +15,7 @@ class ModelLock {
    public:
     /// Waits for it. False: the calling thread was abandoned.
     explicit Hold(ModelLock& lock) : lock_(lock), held_(lock.take(true)) {}
-    /// False: somebody else has it.
+    /// Does not wait. False: another thread holds it.
     Hold(ModelLock& lock, std::try_to_lock_t /*does not wait*/)
         : lock_(lock), held_(lock.take(false)) {}
     ~Hold() {
@@ -39,7 +39,7 @@ class ModelLock {
   ConditionVariable freed_;
   bool held_ MAUVE_GUARDED_BY(mutex_) = false;
   const AbandonableThread* owner_ MAUVE_GUARDED_BY(mutex_) =
-      nullptr;  // null: a thread that nobody leaves
+      nullptr;  // null: a thread that is never abandoned
 };
 
 }  // namespace mauve::exec

@@ -38,9 +38,9 @@ struct Origin {
 /// The change of one component, ready to be published.
 struct PreparedMember {
   ComponentBase* component = nullptr;
-  std::shared_ptr<ComponentBase> owner;  ///< of one that joins; of one that left, once it did
+  std::shared_ptr<ComponentBase> owner;  ///< keeps a component that joins, or has left
   Part part = Part::changes;
-  std::shared_ptr<const Bundle> base;  ///< what it was prepared against
+  std::shared_ptr<const Bundle> base;  ///< the bundle that it was prepared against
   std::optional<ComponentType> type;   ///< of a newer build, else as it is
   std::shared_ptr<const Bundle> next;  ///< the same as `base` when only the mode changes
   Mode mode = Mode::keep;
@@ -54,11 +54,11 @@ struct PreparedMember {
   std::shared_ptr<PreparedChange::Content> standby;
 };
 
-/// The change of one resource: another core, other connections of its own ports, or another
-/// declared hold.
+/// The change of one resource: another core, other connections of its own ports, or another lock
+/// budget.
 struct PreparedResource {
   ResourceBase* resource = nullptr;
-  ResourceParts base;   ///< what it was prepared against
+  ResourceParts base;   ///< the parts that it was prepared against
   ResourceParts parts;  ///< null: stays
   Duration base_lock_budget{0};
   std::optional<Duration> lock_budget;  ///< none: stays
@@ -78,7 +78,7 @@ struct PreparedBarrier {
   };
   struct Wait {
     std::string component;
-    std::uint64_t releases = 0;  ///< that it may lose, from what its jobs took so far
+    std::uint64_t releases = 0;  ///< that it may lose, judged by its jobs so far
   };
   std::vector<Replacement> replacements;
   std::vector<Wait> waits;  ///< of all that run and would wait
@@ -88,7 +88,7 @@ struct PreparedBarrier {
 [[nodiscard]] PreparedMember member_of(ComponentBase& component, Mode mode);
 
 /// Other code, not just another object: another class, or the same one of another build.
-/// Measurements of the one say nothing about the other.
+/// Measurements of the one do not hold for the other.
 [[nodiscard]] bool is_other_code(const Configurable& before, const Configurable& after);
 
 /// Keeps alive all that the content refers to.

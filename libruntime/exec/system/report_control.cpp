@@ -13,7 +13,7 @@
 namespace mauve::exec {
 namespace {
 
-/// The verb that fits all that it says; empty: none does.
+/// The verb that fits the whole edit; empty: none does.
 std::string_view verb_of(const Edit& edit) {
   if (edit.mode == Mode::run) return "component.start";
   if (edit.mode == Mode::park) return "component.stop";

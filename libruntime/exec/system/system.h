@@ -81,7 +81,8 @@ class System {
   std::shared_ptr<Runner> runner;
   /// Addresses stay. Changed by [control] under `members`, since [log] goes through it too.
   std::list<Deployed> deployed;
-  /// Let go. A holder of this may still refer to one; emptied when there is none. [control]
+  /// The components that were let go. A holder of this list may still refer to one of them; it is
+  /// emptied when there is no holder. [control]
   std::shared_ptr<std::list<Deployed>> departed = std::make_shared<std::list<Deployed>>();
   /// Held while a change is prepared, which reads the model on [factory]. Actions of the system by
   /// itself get into the books afterwards.

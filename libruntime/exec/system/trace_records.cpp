@@ -70,7 +70,7 @@ void drain_ring(TaskReport::Trace& trace, std::uint32_t thread, Instant t0,
 
 void keep_last_trace(System& system, Deployed& deployed) {
   MAUVE_ON_THREAD(control);
-  constexpr std::size_t kMost = 16'384;  // when nobody collects
+  constexpr std::size_t kMost = 16'384;  // when no reader collects
   const MutexLock lock(system.members);
   if (system.last_trace.size() >= kMost) return;
   Task& task = *deployed.task;
