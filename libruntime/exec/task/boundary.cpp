@@ -62,8 +62,8 @@ bool Boundary::serve() {
   return true;
 }
 
-/// The change takes effect, but a direct stop has the last word. Then the component does not run,
-/// and its outputs, which may be others, have their safe values before the coordinator goes on.
+/// The change takes effect, but a direct stop has priority. Then the component does not run, and
+/// its outputs, which may be others, have their safe values before the coordinator goes on.
 bool Boundary::take_early(TaskUpdate& next, Instant begin) {
   if (!take(next, begin)) return false;
   if (unacknowledged_ != nullptr && task_.mailbox.halted()) stand_still();
@@ -212,7 +212,7 @@ void Boundary::finish_taking() {
   next->answer->failed = true;
 }
 
-/// A task that does not run has nothing to wait with.
+/// Lets a running task wait, and a waiting one go on. Other tasks are not affected.
 void Boundary::wait_or_go_on(TaskUpdate& step) {
   if (step.barrier == TaskUpdate::Barrier::wait) {
     task_.waiting = std::exchange(task_.running, false);
@@ -228,7 +228,7 @@ void Boundary::wait_or_go_on(TaskUpdate& step) {
 }
 
 /// After a barrier: arms the first release at or after its end on the grid that it was on. The ones
-/// before are lost. How much later the next job begins than it would have.
+/// before are lost. Returns the delay of the next job.
 Duration Boundary::skip_gap(Instant until) {
   const Instant armed = task_.release;
   const Duration grid = task_.current->grid;
@@ -239,7 +239,8 @@ Duration Boundary::skip_gap(Instant until) {
   return Duration{next - armed};
 }
 
-/// The update was made from the model of that time; meanwhile the task may have gone back.
+/// Keeps the bundle of the task: the update was made from an older model, and the task may have
+/// been rolled back since.
 void Boundary::keep_bundle(TaskUpdate& next) const {
   const TaskUpdate& current = *task_.current;
   if (next.bundle == current.bundle) return;
@@ -270,7 +271,7 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::put_in_place(TaskUpdate& next) {
     mailbox.retire(*before);
   }
   if (task_.failed && next.mode_only) faults_.end_core();
-  if (same_bundle && next.standby == nullptr) return;  // what stands by is of use still
+  if (same_bundle && next.standby == nullptr) return;  // the present standby core stays
   if (TaskUpdate* const standby = mailbox.exchange_standby(std::move(next.standby))) {
     standby->answer->progress.store(TaskUpdate::Progress::given_back, std::memory_order_release);
     mailbox.retire(*standby);
@@ -314,8 +315,8 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::start(const TaskUpdate& next) {
   task_.report.note(rt::EventKind::started, LogLevel::info, release - task_.t0);
 }
 
-/// Another offset moves the grid: the armed release to the first instant of the new one after it.
-/// A trace records that as a start, since the wait had announced another instant.
+/// Another offset moves the grid, and the armed release to the first instant of the new grid at or
+/// after it. A trace records that as a start, since the wait had announced another instant.
 MAUVE_RUNS_AT_A_SWAP void Boundary::keep_phase(const TaskUpdate& next) {
   const Instant base = task_.t0 + next.bundle->task.offset.count();
   if (next.offset_changes) {

@@ -36,9 +36,9 @@ class Boundary {
   /// Answers the coordinator after the outputs of the first job with the new bundle, so that the
   /// answer costs them nothing.
   void acknowledge();
-  /// First on the thread that goes on for one that was lost in a converter: the update is in force.
+  /// The first call on a thread that replaces one abandoned in a converter: the update is in force.
   void finish_taking();
-  /// A lost thread may be between two of these.
+  /// The bundles that an abandoned thread may still use: it may be between two of them.
   [[nodiscard]] std::vector<std::shared_ptr<const Bundle>> bundles() const;
 
  private:

@@ -9,7 +9,7 @@
 
 namespace mauve::exec {
 
-/// Counters, written by the task's thread, read by anyone.
+/// Counters, written by the thread of the task, read by any thread.
 struct Counters {
   std::atomic<std::uint64_t> releases{0};
   std::atomic<std::uint64_t> missed{0};

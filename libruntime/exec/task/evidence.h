@@ -56,8 +56,8 @@ class Evidence {
     too_long_ = late_ = 0;
     forget_overruns();
   }
-  /// Every job: did `limit` of the last 64 end too late? Then it counts anew. On probation as well
-  /// as off it, and whatever held the job up.
+  /// To be called for each job, on probation or not. Did `limit` of the last 64 jobs end too late,
+  /// for any cause? Then the count begins anew.
   [[nodiscard]] bool overran(bool late, unsigned limit) {
     overruns_ = overruns_ << 1U | (late ? 1U : 0U);
     const bool too_often = late && std::popcount(overruns_) >= static_cast<int>(limit);

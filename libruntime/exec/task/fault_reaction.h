@@ -32,7 +32,7 @@ class FaultReaction {
   void pass_release();
   /// A job on probation is judged also where it does not fail.
   void judge(const JobUse& job);
-  /// Sets the rollback off. The core goes on until its next release.
+  /// Triggers the rollback. The core goes on until its next release.
   void end_core();
   void overran_too_often();
   /// No thread is left for the task.
@@ -43,7 +43,7 @@ class FaultReaction {
   /// Is the task rolled back by the change on probation, or will it be?
   [[nodiscard]] bool rolls_back() const;
   /// A failed core waits while the rollback is under way, or while its policy promises another
-  /// core. The standby core exists already, or [control] makes it or says that there is none.
+  /// core. The standby core exists already, or [control] makes it or declares that there is none.
   [[nodiscard]] bool may_recover() const;
 
  private:

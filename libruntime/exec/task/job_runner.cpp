@@ -24,13 +24,13 @@
 namespace mauve::exec {
 namespace {
 
-/// Of the task whose job this thread runs, for mauve::log() and mauve::request().
+/// The report of the task whose job this thread runs, for mauve::log() and mauve::request().
 TaskReport*& this_report() {
   [[gnu::tls_model("initial-exec")]] static thread_local TaskReport* report = nullptr;
   return report;
 }
 
-/// Into the ring of the thread: its task may have lost it meanwhile.
+/// Records into the ring of this thread, which may be abandoned by now.
 void record_state(TraceKind kind, const FsmState& state, Instant time, bool preempted = false) {
   rt::TraceRing* const ring = ring_of(this_job(), TraceMode::jobs);
   if (ring == nullptr) return;
@@ -66,8 +66,8 @@ struct JobRunner::JobEnd {
 
 bool JobRunner::run(Instant now) {
   begin(now);
-  // Invariant: whatever user code does to end its job ends here. Only this component is affected;
-  // its outputs get their safe values; every resource it held was left.
+  // Invariant: a job ends here, whichever way its user code ends it. Only this component is
+  // affected; its outputs get their safe values; every resource it held was left.
   JobEnd end{*this, now};
   task_.watch.begin(now);
   const rt::Fault fault = rt::run_guarded(&JobEnd::run, &end, task_.watch.watched());

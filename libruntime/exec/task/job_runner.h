@@ -25,7 +25,7 @@ class JobRunner {
   /// Runs the job that is due. False: this thread was abandoned meanwhile, and has no part in the
   /// task any more.
   [[nodiscard]] bool run(Instant now);
-  /// First on the thread that goes on for a lost one: the fault of that one.
+  /// The first call on a thread that replaces an abandoned one: the fault of that one.
   void go_on();
 
  private:

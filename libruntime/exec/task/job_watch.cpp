@@ -11,7 +11,7 @@
 namespace mauve::exec {
 namespace {
 
-/// In place of when a job began: no thread runs the task.
+/// Stands in place of the begin of a job: no thread runs the task.
 constexpr Instant kClaimed = -1;
 /// An ordinary thread shares its processor: a sound job may be kept waiting for so long.
 constexpr Duration kShortestOrdinary = 500ms;

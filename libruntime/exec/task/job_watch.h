@@ -49,7 +49,7 @@ class JobWatch {
   [[nodiscard]] bool end(Instant begun) {
     return watched_.busy_since.compare_exchange_strong(begun, 0);
   }
-  /// On the thread that goes on for a lost one.
+  /// On the thread that replaces an abandoned one.
   void go_on() { watched_.busy_since.store(0); }
   /// Asks for the cache lines that a swap writes.
   void fetch() const;

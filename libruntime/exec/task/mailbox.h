@@ -34,8 +34,7 @@ class Mailbox {
     return quiescent_count_.load(std::memory_order_acquire);
   }
 
-  // --- [control] and the task: the side that is first owns the update
-  // -----------------------------
+  // --- [control] and the task: the side that is first owns the update ----------------------------
   /// Empties the slot of the next update. False: the other side was first.
   bool revoke(TaskUpdate& next) { return empty(pending_, next); }
   /// The same for the rollback of a probation.
@@ -47,7 +46,7 @@ class Mailbox {
   /// A thread that sleeps on this word looks into the mailbox when it changes.
   [[nodiscard]] std::atomic<std::uint32_t>& command() { return command_; }
   /// A stop that does without the coordinator (exec/deploy/direct_stop.h): the task parks at its
-  /// next boundary with its safe values written, and stays parked whatever update it takes.
+  /// next boundary with its safe values written, and stays parked when it applies updates.
   void halt() { halted_.store(true, std::memory_order_release); }
   void end_halt() { halted_.store(false, std::memory_order_release); }
   [[nodiscard]] bool halted() const { return halted_.load(std::memory_order_acquire); }

@@ -9,7 +9,7 @@
 
 namespace mauve::exec {
 
-/// Has it any to write?
+/// Does the component have a safe value to write?
 inline bool has_safe_values(const Bundle& bundle) {
   for (const PortBase* port : bundle.shell->ports()) {
     if (port->has_safe_value() && (*bundle.bindings)[port->index()] != nullptr) return true;
@@ -17,7 +17,7 @@ inline bool has_safe_values(const Bundle& bundle) {
   return false;
 }
 
-/// To all that it is connected to now. `by_owner`: see PortBase::write_safe.
+/// Writes them to all present connections. `by_owner`: see PortBase::write_safe.
 inline void write_safe_values(const Bundle& bundle, bool by_owner,
                               const rt::Watched& watched = rt::kUnwatched) {
   for (const PortBase* port : bundle.shell->ports()) {

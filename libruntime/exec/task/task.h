@@ -72,7 +72,7 @@ class Task {
   /// The boundary and the job of the armed release. False: this thread was abandoned meanwhile, and
   /// has no part in the task any more.
   bool release();
-  void go_on();  ///< first on the thread that goes on for a lost one: the fault of that one
+  void go_on();  ///< the first call on a thread that replaces an abandoned one: its fault
 
  private:
   TaskContext context_;

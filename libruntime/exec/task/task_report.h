@@ -49,7 +49,8 @@ class TaskReport {
   /// [rt] One record of the trace, while jobs are traced.
   void record(TraceKind kind, Instant time, std::int64_t value, std::uint64_t small = 0,
               std::uint32_t name = 0);
-  /// [guard] The next thread writes into a ring of its own: the lost one may be about to write.
+  /// [guard] The next thread writes into a ring of its own: the abandoned one may be about to
+  /// write.
   void begin_new_trace();
 
  private:

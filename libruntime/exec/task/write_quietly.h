@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Safe values are written when something ends; nothing may come of it but the write.
+/// The write of a safe value, without any other effect of the code that takes it.
 #pragma once
 
 #include "rt/thread/run_guarded.h"

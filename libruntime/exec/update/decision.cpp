@@ -44,7 +44,8 @@ void Rollback::decide(const Clock& clock) {
     if (decision_.decide(wanted) == Decision::State::committed) return;
     decision_.put_off(kBeingTriggered);
   }
-  // It has to end. A member that passes the instant between these two goes back one job later.
+  // The attempts have to end: this one cannot be aborted. A member that passes the instant between
+  // the two calls goes back one job later.
   decision_.attempt(kBeingTriggered, Decision::State::committed);
   decision_.put_off(clock.now() + lead.count());
 }

@@ -18,13 +18,13 @@ namespace mauve::exec {
 class TaskReport;
 
 inline constexpr Instant kNever = std::numeric_limits<Instant>::max();
-inline constexpr Instant kClosed = kNever - 1;  ///< of a rollback that nobody needs any more
+inline constexpr Instant kClosed = kNever - 1;  ///< of a rollback that is not needed any more
 /// Of a rollback that is being triggered: its instant follows soon.
 inline constexpr Instant kBeingTriggered = kNever - 2;
-/// Nearer to the instant than this nobody decides: a member might be at its boundary already.
+/// No thread decides nearer to the instant than this: a member might be at its boundary already.
 inline constexpr Duration kDecisionMargin{50'000};
 
-/// Does it happen, and at which instant? The first change of the word decides for all.
+/// Whether a change happens, and at which instant. The first change of the word decides for all.
 class Decision {
  public:
   enum class State : std::uint32_t { prepared, committed, aborted };
@@ -45,8 +45,8 @@ class Decision {
     return state_.compare_exchange_strong(expected, wanted, std::memory_order_acq_rel) ? wanted
                                                                                        : expected;
   }
-  /// Of a member at this release: the first member at the instant before the decision decides that
-  /// nothing happens. [any]
+  /// The verdict for a member at this release. A member that comes to the instant before the
+  /// decision aborts the change for all. [any]
   Verdict meet(Instant release) {
     if (release < instant()) return Verdict::go_on;
     if (decide(State::aborted) == State::aborted) {
@@ -54,15 +54,15 @@ class Decision {
     }
     return release < instant() ? Verdict::go_on : Verdict::take;  // that was another attempt's
   }
-  /// Nothing will come of it.
+  /// It is aborted, and there is no other attempt.
   [[nodiscard]] bool is_final_abort() const { return !tries_again_ && state() == State::aborted; }
 
  protected:
   struct TriesAgain {};
-  /// Without an instant; one that is aborted gets another one.
+  /// Begins without an instant; an aborted one gets another instant.
   explicit Decision(TriesAgain /*tag*/)
       : instant_(kNever), state_(State::prepared), tries_again_(true) {}
-  /// One that has no instant gets this; false when it has one.
+  /// Sets the instant of a decision that has none; false when it has one.
   bool claim(Instant instant) {
     Instant never = kNever;
     return instant_.compare_exchange_strong(never, instant);
@@ -72,7 +72,7 @@ class Decision {
     state_.store(state, std::memory_order_release);
     instant_.store(instant, std::memory_order_release);
   }
-  /// In this order with claim().
+  /// Sequentially consistent with claim().
   [[nodiscard]] Instant instant_in_order() const { return instant_.load(); }
 
  private:
@@ -100,22 +100,23 @@ class Rollback {
   /// [any] Bounded, no lock. False: it was triggered before, is closed, or a newer change is
   /// committed.
   bool trigger(const Clock& clock, const FaultRecord& fault, const TaskReport* member);
-  /// No member failed: somebody wants it.
+  /// Triggers the rollback by request, without a failed member.
   bool trigger(const Clock& clock, std::string_view reason);
-  /// [control] Nobody can set it off any more; false when somebody has.
+  /// [control] Closes the rollback: it cannot be triggered any more. False: it was triggered
+  /// before.
   bool close() { return decision_.claim(kClosed); }
-  /// [control] Either this one, which is about to be decided, or the rollback; null: it came to
-  /// nothing.
+  /// [control] A newer change is about to be decided: either that change happens or this rollback.
+  /// Null: the newer change came to nothing.
   void give_way_to(std::shared_ptr<Decision> newer);
 
   [[nodiscard]] bool open() const { return decision_.instant() == kNever; }
   [[nodiscard]] bool closed() const { return decision_.instant() == kClosed; }
-  /// Set off, or about to be. In order with give_way_to().
+  /// Triggered, or about to be. Sequentially consistent with give_way_to().
   [[nodiscard]] bool rolls_back() const {
     const Instant instant = decision_.instant_in_order();
     return instant != kNever && instant != kClosed;
   }
-  /// Set off and decided, and the story of it can be read.
+  /// Triggered and decided, and its record can be read.
   [[nodiscard]] bool reported() const { return reported_.load(std::memory_order_acquire); }
   [[nodiscard]] Cause cause() const { return fault_.cause; }
   [[nodiscard]] const FaultRecord& fault() const { return fault_; }

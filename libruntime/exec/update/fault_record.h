@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// FaultRecord: a failure as the task that fails records it, all at the same instant. Rollbacks and
-/// standby_cores carry a copy of their own, so that a later failure of the same component does not
+/// standby cores carry a copy of their own, so that a later failure of the same component does not
 /// mix with it.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace mauve::exec {
 
-/// Why a core did not do.
+/// Why a core failed.
 enum class Cause : std::uint8_t { threw, implausible, over_budget, overruns, crashed, hung, asked };
 
 /// "threw", "wrote an implausible value", ...

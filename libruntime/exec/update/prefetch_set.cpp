@@ -13,11 +13,11 @@ namespace mauve::exec {
 namespace {
 
 constexpr std::uintptr_t kLine = 64;
-/// Of an object whose class is not known: where the members are that it uses most.
+/// So many bytes of an object whose class is not known: its most used members are there.
 constexpr std::size_t kHead = 512;
-/// Of a value: where a longer one leads the CPU notices itself.
+/// So many bytes of a value: the CPU itself prefetches the rest of a longer one.
 constexpr std::size_t kBegin = 1024;
-/// Asking for them takes the time of some hundred instructions.
+/// So many lines at most: to ask for them takes the time of some hundred instructions.
 constexpr std::size_t kAtMost = 256;
 
 template <typename T>

@@ -37,21 +37,21 @@ struct TaskUpdate {
   /// next change, resumes it. The task keeps its bundle, and is not seen to be stopped.
   enum class Barrier : std::uint8_t { none, wait, go_on };
 
-  std::shared_ptr<const Bundle> bundle;  ///< null: of a barrier
+  std::shared_ptr<const Bundle> bundle;  ///< null: an update of a barrier
   Decision* decision = nullptr;
   Barrier barrier = Barrier::none;
   AppliedAs applied_as = AppliedAs::change;
   std::uint64_t number = 0;  ///< of the change, see System::changes; 0: it is none of [control]
   Mode mode = Mode::keep;
-  bool mode_only = false;  ///< whatever the task runs with stays: it may be back at an older bundle
+  bool mode_only = false;  ///< the bundle stays; after a rollback it may be an older one
   bool restart = false;    ///< begin at the initial state, on the next instant of the grid
   bool offset_changes = false;
-  bool other_core = false;       ///< other code: no measurement is about it
+  bool other_core = false;       ///< other code: measured times do not hold for it
   bool has_safe_values = false;  ///< of the bundle, on connected ports
   bool count_gap = false;        ///< releases that passed while parked count as missed (in place)
   Duration grid{0};
   Duration shortest_wait{0};
-  Duration bound{0};  ///< a job that runs longer never returns; zero: nobody looks
+  Duration bound{0};  ///< a job that runs longer never returns; zero: no bound
   std::shared_ptr<const PrefetchSet> prefetch;  ///< of the bundle; null: not known
   /// By index of the state of the old machine: the state of the new one; null: begin anew.
   std::vector<FsmState*> state_map;
@@ -60,7 +60,8 @@ struct TaskUpdate {
   /// Ports that lose their service: their safe values are written first.
   std::vector<std::pair<const PortBase*, const Binding*>> safe_writes;
 
-  /// On probation: where this one rolls back to when somebody fails. Both null: no probation.
+  /// On probation: the update to which this one is rolled back when a member fails. Both null: no
+  /// probation.
   std::unique_ptr<TaskUpdate> back;
   Rollback* rollback = nullptr;
   unsigned tolerated = 0;               ///< overruns among the jobs of `window`
@@ -71,7 +72,7 @@ struct TaskUpdate {
   enum class Progress : std::uint8_t {
     published,
     done,        ///< in force, and the first job with it has ended
-    given_back,  ///< missed its instant, or made useless by another: the task never used it
+    given_back,  ///< missed its instant, or was superseded: the task never used it
   };
   /// The answer of the task; it outlives the update.
   struct Answer {
@@ -79,12 +80,12 @@ struct TaskUpdate {
     std::size_t bytes = 0;
     bool failed = false;  ///< its state was not converted; also valid when done
     FaultRecord fault;    ///< of a standby core: the one it took over from; also valid when done
-    /// The last word that the task writes. Afterwards it touches neither this nor the transaction,
+    /// The last field that the task writes. Afterwards it touches neither this nor the transaction,
     /// but for the bundle that it runs with.
     std::atomic<Progress> progress{Progress::published};
   };
   const std::shared_ptr<Answer> answer = std::make_shared<Answer>();
-  TaskUpdate* older = nullptr;  ///< in the task's pile of what it does not use any more
+  TaskUpdate* older = nullptr;  ///< in the list of updates that the task does not use any more
 };
 
 }  // namespace exec
