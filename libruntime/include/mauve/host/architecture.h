@@ -66,7 +66,7 @@ class Architecture {
   [[nodiscard]] std::vector<std::shared_ptr<void>> owners() const;
 
   /// Runs on_configure(), checks the wiring, then configures resources and components in their
-  /// order; a failure undoes all and says where.
+  /// order; a failure undoes all, and its error names the element.
   Status configure();
   Status cleanup();  ///< the other way round
   /// Between configure() and cleanup().

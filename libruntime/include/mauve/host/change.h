@@ -30,7 +30,7 @@ struct NewConnection {
   Duration max_age{0};  ///< values older than this are `stale`; zero: no limit
 };
 
-/// The change of one component or resource. Everything not said stays as it is.
+/// The change of one component or resource. Everything that it does not name stays as it is.
 struct Edit {
   std::string component;         ///< or resource
   std::optional<CoreType> core;  ///< replaces the core; also the core in force again, freshly made
@@ -38,9 +38,9 @@ struct Edit {
   /// The component's own type from a newer build of its plugin: its shell is made anew, connections
   /// are kept by name of the port.
   std::optional<ComponentType> type;
-  /// Of a resource: its own type from a newer build of its plugin. Like one of which a property of
-  /// the shell or interface changes it is made anew, and takes over at a barrier: all that use it
-  /// wait for each other.
+  /// Of a resource: its own type from a newer build of its plugin. The resource is made anew and
+  /// takes over at a barrier, where all its users wait for each other. A resource is made anew in
+  /// the same way when a property of its shell or interface changes.
   std::optional<ResourceType> resource = {};
   /// "core.gain", "fsm.pace", "shell.device" -> value.
   std::vector<std::pair<std::string, Value>> properties;
@@ -50,7 +50,7 @@ struct Edit {
   /// Of a resource: the longest that one call keeps its lock; zero takes the declaration back.
   std::optional<Duration> lock_budget = {};
   Mode mode = Mode::keep;                 ///< starts, stops, or neither
-  StatePolicy state = StatePolicy::keep;  ///< what becomes of the state
+  StatePolicy state = StatePolicy::keep;  ///< the fate of the state
   Values values = Values::keep;           ///< properties that are not named
   /// Asked for each of `properties` before the property gets its value and before any hook runs; a
   /// refusal refuses the change. None: every value that the property accepts. [factory]
@@ -58,11 +58,11 @@ struct Edit {
 };
 
 /// A resource or component that joins: made, its properties set, neither configured nor connected.
-/// Its ports may be connected to what is there after the change.
+/// Its ports may be connected to services that are there after the change.
 struct NewResource {
   std::shared_ptr<ResourceBase> resource;  ///< made, with its properties set
   std::vector<NewConnection> connect;      ///< of its own ports
-  StatePolicy state = StatePolicy::keep;   ///< of what leaves under its name, at a barrier
+  StatePolicy state = StatePolicy::keep;   ///< of the resource that leaves under its name
 };
 /// The same for a component.
 struct NewComponent {
@@ -70,7 +70,7 @@ struct NewComponent {
   std::vector<NewConnection> connect;        ///< of its ports
 };
 
-/// Another core, or none, that takes over when the one of this component fails.
+/// Another fallback core for a component, or none.
 struct NewFallback {
   std::string component;                            ///< one that is changed
   std::optional<ComponentBase::Fallback> fallback;  ///< none: takes it away

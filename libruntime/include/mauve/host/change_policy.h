@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The choices of a change: what it keeps, and when its members go on.
+/// The choices of a change: the states and values that it keeps, and when its members go on.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@ enum class StatePolicy : std::uint8_t {
   drop,   ///< the new core starts fresh
 };
 
-/// Where the properties of a core begin that replaces one of another type. Properties that the edit
-/// sets, or of which the other core has none of that name, are not asked.
+/// The first values of a core that replaces one of another type. They do not concern properties
+/// that the edit sets, or that the core before does not have.
 enum class Values : std::uint8_t {
   keep,      ///< with the values in force; refused when one has another type or unit there, or is
              ///< out of range
@@ -24,7 +24,8 @@ enum class Values : std::uint8_t {
 
 /// When the members of a change go on.
 enum class Sync : std::uint8_t {
-  /// Each at its own first release at or after the instant; nobody waits for anybody.
+  /// Each member goes over at its own first release at or after the instant; none waits for
+  /// another.
   cut,
   /// All members wait at a boundary until the last one is there. Then a resource that leaves hands
   /// its state to the one that joins under its name, and all go on at their next releases. For

@@ -63,7 +63,8 @@ class ComponentBase {
   /// Of the bundle in force.
   [[nodiscard]] const TaskAttributes& task() const { return bundle_->task; }
 
-  /// Shell, core, fsm in this order; a failure undoes what this call had configured.
+  /// Configures shell, core and fsm in this order; a failure cleans up those that this call had
+  /// configured.
   Status configure();
   /// The other way round.
   Status cleanup();
@@ -81,25 +82,25 @@ class ComponentBase {
     return replace_core(CoreType::of<T>(class_name(typeid(T))));
   }
 
-  /// The core that takes the core's place when that fails (`fallback_core` in the file), and the
-  /// properties that it is given; none: empty name. [control]
+  /// The core that takes over when the core fails (`fallback_core` in the file), and the properties
+  /// that it is given; none: empty name. [control]
   struct Fallback {
     CoreType core;                                          ///< the core that takes over
     std::vector<std::pair<std::string, Value>> properties;  ///< names and values
   };
-  /// None: its task says what follows a fault.
+  /// None: the component has no fallback core.
   [[nodiscard]] const std::optional<Fallback>& fallback() const { return fallback_; }
   /// Declares the fallback core, before deployment. [control]
   void fall_back_to(std::optional<Fallback> fallback) { fallback_ = std::move(fallback); }
 
-  /// Makes the elements anew when a constructor failed; the error of the last attempt. Runtime
-  /// only.
+  /// Runtime only: the error of a constructor that failed; success: all elements were made.
   [[nodiscard]] const Status& made() const { return made_; }
   /// Runtime only: the same type from a newer build of its plugin.
   void renew(ComponentType type) { type_ = std::move(type); }
   /// Runtime only: the bundle that a committed change left in force.
   void install(std::shared_ptr<const Bundle> bundle) { bundle_ = std::move(bundle); }
-  /// Runtime only: gives the elements up without touching them (their thread hangs in them).
+  /// Runtime only: keeps the elements for ever and does not touch them, since their thread hangs in
+  /// them.
   void abandon();
   /// Runtime only: before deployment the connection table is edited in place.
   Status connect(std::string_view port, ServiceBase& service, std::shared_ptr<void> keep_alive,

@@ -12,7 +12,7 @@ namespace mauve {
 /// The reaction when the process may not use SCHED_FIFO or lock memory.
 enum class Realtime : std::uint8_t {
   require,  ///< refuse to deploy
-  prefer,   ///< run without, and say so once (`Deployer::warnings`)
+  prefer,   ///< run without, and warn once (`Deployer::warnings`)
   off,      ///< ordinary threads
 };
 
@@ -20,7 +20,7 @@ enum class Realtime : std::uint8_t {
 /// deployment and before each change, for the change at any instant and for the rollback from it.
 enum class Admission : std::uint8_t {
   strict,  ///< refuse; the error names the job and the smallest relaxation
-  warn,    ///< go on, and say so (`Deployer::warnings`, `Receipt::warnings`)
+  warn,    ///< go on, and warn (`Deployer::warnings`, `Receipt::warnings`)
   off,     ///< do not look
 };
 
@@ -39,7 +39,7 @@ struct DeployOptions {
   /// order of release and priority.
   bool simulated = false;
   Admission admission = Admission::warn;  ///< see there
-  MachineCosts machine = {};              ///< what admission assumes of the machine
+  MachineCosts machine = {};              ///< the costs that admission assumes
   std::uint64_t first_generation = 1;     ///< the number after deploy(); each change adds one
   /// May change: a core that stands by already is withdrawn at the next look. Null: each may stand
   /// by. It outlives the deployer.

@@ -38,8 +38,8 @@ namespace exec {
 class System;
 }
 
-/// Runs an Architecture and changes it while it runs. All calls are [control] unless they say
-/// otherwise; none may be made from a component's thread. A refusal changes nothing.
+/// Runs an Architecture and changes it while it runs. All calls are [control] unless another thread
+/// is named; none may be made from a component's thread. A refusal changes nothing.
 /// @snippet api_examples.cpp Deployer
 class Deployer {
  public:
@@ -68,8 +68,8 @@ class Deployer {
   [[nodiscard]] std::vector<ComponentStatus> status() const;  ///< of all components
   /// Of one component; with an empty name when there is no such component.
   [[nodiscard]] ComponentStatus status(std::string_view component) const;
-  /// Response times of what runs now; takes some milliseconds. Of what was not admitted by
-  /// Admission::warn at deployment, `warnings()` reports.
+  /// Response times of the running system; takes some milliseconds. `warnings()` reports the proofs
+  /// that were missing at deployment under Admission::warn.
   [[nodiscard]] Timing analyze() const;
 
   /// The statistics of jobs, of all components.
@@ -100,7 +100,7 @@ class Deployer {
   /// all their members. tend() reports the end.
   Status undo(const std::string& reason = "undone by request");
   [[nodiscard]] bool on_probation() const;  ///< some change is
-  /// Set off, but some member is not back yet.
+  /// A rollback was triggered, but some member is not back yet.
   [[nodiscard]] bool going_back() const;
   /// Those that are open or roll back, the oldest first.
   [[nodiscard]] std::vector<OpenProbation> probations() const;
@@ -109,20 +109,20 @@ class Deployer {
   std::vector<Outcome> tend(Retired& retired);
   /// The elements that became free, without the outcomes.
   Retired collect();
-  /// No thread can still be looking at elements that a probation kept, or at a core that stood by
-  /// for one of them.
+  /// No thread can still use elements that a probation kept, or a core that stood by for one of
+  /// them.
   [[nodiscard]] bool settled() const;
 
-  /// Cores that shall stand by for a failing one, and do not yet: after deployment, after each
-  /// change, after each fault. Prepare each [factory], then let it stand by.
+  /// The changes that prepare missing standby cores: after deployment, after each change, after
+  /// each fault. Prepare each [factory], then let it stand by.
   [[nodiscard]] std::vector<Change> wanted_standby_cores() const;
   /// As prepare(); an error of a fallback core is about `X.fallback_core`.
   Result<PreparedChange> prepare_standby(const Change& standby);
-  /// Drops what is out of date meanwhile.
+  /// Lets a prepared core stand by; drops it when it is out of date meanwhile.
   void stand_by(PreparedChange& standby);
-  /// None can be made for this component. A component whose core has failed waits for its standby
-  /// as long as its policy allows: this ends the wait, and it is faulted. `why` goes to its
-  /// outcome.
+  /// No standby core can be made for this component. A component whose core has failed waits for
+  /// its standby as long as its policy allows: this ends the wait, and it is faulted. `why` goes to
+  /// its outcome.
   void refuse_standby(std::string_view component, const std::string& why);
 
   /// Shorthands for apply().
@@ -130,25 +130,26 @@ class Deployer {
   /// Components park at the end of their job. One that does not end it gets its safe values
   /// written on its behalf, and parks as soon as it does: Errc::partly.
   Result<Receipt> stop(const std::vector<std::string>& components);
-  /// Stop() in steps: see Ongoing.
+  /// As stop(), in steps: see Ongoing.
   Result<std::shared_ptr<Ongoing>> begin_stop(const std::vector<std::string>& components);
   /// Stops all components, writers of safe values before their readers, so that a driver still acts
   /// on them. A component that hangs does not hold up the rest.
   Result<Receipt> stop_all(Duration bound = 2s);
-  /// Stop_all() in steps: see Ongoing.
+  /// As stop_all(), in steps: see Ongoing.
   [[nodiscard]] std::shared_ptr<Ongoing> begin_stop_all(Duration bound = 2s);
   /// For when [control] is held up. These components (none: all) park at the end of their job with
-  /// their safe values written; a job may take 2 s more. They stay parked whatever change [control]
-  /// goes on with, until a stop of the same ones has begun there, or end_direct_stop(). An unknown
+  /// their safe values written; a job may take 2 s more. They stay parked through all changes of
+  /// [control], until a stop of the same ones has begun there, or end_direct_stop(). An unknown
   /// name is null. [any], no component's thread.
   [[nodiscard]] std::unique_ptr<DirectStop> begin_direct_stop(
       const std::vector<std::string>& components);
   /// Ends begin_direct_stop().
   void end_direct_stop(const std::vector<std::string>& components);
-  /// Grows while [control] looks after what is under way. [any]
+  /// Counts how often [control] advanced the changes under way: stands still when it is held up.
+  /// [any]
   [[nodiscard]] std::uint64_t looks() const;
-  /// While it stands still no look takes a change further, so the architecture stays as it is. Each
-  /// call with true needs one with false.
+  /// While `still`, no change is taken further, so the architecture stays as it is. Each call with
+  /// true needs one with false.
   void stand_still(bool still);
   /// Replaces the core of a component while it runs.
   Result<Receipt> swap_core(std::string_view component, const CoreType& core,
@@ -187,11 +188,11 @@ class Deployer {
   Result<PreparedChange> prepare_back_in_place(std::string_view component,
                                                std::shared_ptr<const Bundle> before);
 
-  /// [log] Takes what happened since the last call. One caller.
+  /// [log] Takes the events since the last call. One caller.
   std::size_t drain(const std::function<void(const RuntimeEvent&)>& visit);
-  /// [trace] What was traced since the last call, of each thread in its order; see mauve/trace.h.
-  /// One caller, some times a second: rings overwrite what nobody collects, and the loss is a
-  /// record.
+  /// [trace] Takes the records since the last call, of each thread in their order; see
+  /// mauve/trace.h. One caller, some times a second: rings overwrite records that are not
+  /// collected, and the loss is a record.
   std::size_t drain_trace(const std::function<void(const TraceRecord&)>& visit);
   /// The components and resources that these records refer to, as they are now; takes some
   /// milliseconds.

@@ -12,7 +12,8 @@ namespace mauve {
 
 class Retired;
 
-/// A change, or a stop, on its way: it is over when every member came to its boundary. [control]
+/// A change, or a stop, that is under way: it is over when every member has come to its boundary.
+/// [control]
 class Ongoing {
  public:
   virtual ~Ongoing() = default;
@@ -21,7 +22,8 @@ class Ongoing {
   virtual bool advance() = 0;
   /// The answer. The system may make a later generation than that of this change by itself, by a
   /// rollback or a fallback core. Such a generation enters the architecture when result() was
-  /// asked, or when nobody holds this object any more, so that each generation can be looked at.
+  /// asked, or when this object is not referred to any more, so that each generation can be looked
+  /// at.
   [[nodiscard]] virtual Result<Receipt> result() const = 0;
   /// Elements that are no longer in force.
   virtual Retired& retired() = 0;

@@ -9,8 +9,8 @@
 
 namespace mauve {
 
-/// A change that was prepared and can be committed once. Owns what it made; dropping it cleans up
-/// and frees the unused elements: do that on [factory].
+/// A change that was prepared and can be committed once. Owns the elements that it made. Its
+/// destructor cleans up and frees those that are unused: destroy it on [factory].
 class PreparedChange {
  public:
   class Content;
@@ -18,7 +18,7 @@ class PreparedChange {
   /// of them, so they stay alive with it, although a rollback may take them out meanwhile.
   explicit PreparedChange(std::unique_ptr<Content> content, Retired elements = {});
   PreparedChange(PreparedChange&&) noexcept;  ///< leaves an empty one
-  /// Drops what this one held.
+  /// Drops the change that it held.
   PreparedChange& operator=(PreparedChange&& other) noexcept {
     content_ = std::move(other.content_);  // connections go before the resources they lead to
     elements_ = std::move(other.elements_);

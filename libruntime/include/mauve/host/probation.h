@@ -10,11 +10,11 @@
 
 namespace mauve {
 
-/// After the commit the old bundles stay ready until every member ran so many jobs with the new
-/// ones, or for so long, whichever is first. A core that fails (it throws, crashes, hangs, writes
-/// an implausible value) rolls back to them at the next release. So does a core that takes too
-/// long; that needs several jobs as evidence (exec/task/evidence.h), and the probation goes on for
-/// some jobs while a core is under suspicion.
+/// After the commit the old bundles stay ready until every member has run `activations` jobs with
+/// the new ones, or `time` has passed, whichever is first. A core that fails (it throws, crashes,
+/// hangs, writes an implausible value) rolls back to them at the next release. So does a core that
+/// takes too long; that needs several jobs as evidence (exec/task/evidence.h), and the probation
+/// goes on for some jobs while a core is under suspicion.
 ///
 /// A change of other components leaves a probation as it is. A newer change of the same components
 /// joins it. The time begins anew, and a failure leads all of them back to before the first change,
@@ -22,7 +22,7 @@ namespace mauve {
 struct Probation {
   std::uint64_t activations = 3000;  ///< rule of three: fails less than once in 1000 at 95 %
   Duration time{10s};                ///< the other end of it
-  Duration confirm_within{0};        ///< zero: nobody needs to confirm
+  Duration confirm_within{0};        ///< zero: no confirmation is needed
   /// Late jobs of a member that are tolerated in `window` jobs of it. At least 1: a single late job
   /// is no evidence.
   unsigned misses = 2;
@@ -35,7 +35,7 @@ struct OpenProbation {
   std::vector<std::string> components;  ///< that are rolled back when one of them fails
   Duration passed{0};                   ///< since the newest of the changes
   Probation rules;                      ///< of the newest change
-  bool rolls_back = false;              ///< a failure, or undo(), has set it off
+  bool rolls_back = false;              ///< a failure, or undo(), has triggered the rollback
 };
 
 }  // namespace mauve

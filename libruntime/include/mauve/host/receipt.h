@@ -41,8 +41,8 @@ struct Receipt {
   unsigned attempts = 0;                       ///< tries until the coordinator met its instant
   std::vector<MemberReceipt> components;       ///< those that took part
   std::vector<std::string> warnings = {};      ///< why it was not admitted, see Admission::warn
-  /// States that are kept although nobody compared their fields, and consequences for probations
-  /// that are open: which this change joins, which it ends early.
+  /// States that are kept although their fields were not compared, and consequences for open
+  /// probations: those that this change joins, and those that it ends early.
   std::vector<std::string> notes = {};
 };
 

@@ -18,7 +18,7 @@ enum class ComponentState : std::uint8_t {
   not_configured,  ///< no hook has run yet
   stopped,         ///< parked, its safe values are written
   running,         ///< runs a job at each release
-  faulted,         ///< its core failed; it stays parked until somebody starts or changes it
+  faulted,         ///< its core failed; it stays parked until it is started or changed
   recovering,      ///< its core failed, its outputs are safe; another core takes over by itself
 };
 [[nodiscard]] std::string_view to_string(ComponentState state);  ///< "stopped", ...
@@ -108,9 +108,9 @@ struct Outcome {
   Kind kind = Kind::passed;      ///< which of them
   std::uint64_t began = 0;       ///< generation it happened to; of a probation: its first change
   std::uint64_t generation = 0;  ///< in force now
-  std::string component;         ///< whose fault it was; empty: nobody's
+  std::string component;         ///< the one at fault; empty: none
   std::string reason;            ///< "threw: sensor lost", "confirmed", "3000 jobs without a fault"
-  /// The failure that led to it; none: somebody asked, or nothing failed.
+  /// The failure that led to it; none: it was requested, or nothing failed.
   std::optional<Incident> incident = {};
   Duration commit{0};  ///< of a rollback, since T0
   /// The core that was new and at fault in a rollback, if any; the one that took over.

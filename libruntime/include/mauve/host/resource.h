@@ -40,7 +40,8 @@ class ResourceBase {
   [[nodiscard]] ResourceLock& lock() { return lock_; }              ///< one caller at a time
   [[nodiscard]] const ResourceLock& lock() const { return lock_; }  ///< one caller at a time
 
-  /// Shell, core, interface in this order; a failure undoes what this call had configured.
+  /// Configures shell, core and interface in this order; a failure cleans up those that this call
+  /// had configured.
   Status configure();
   Status cleanup();  ///< the other way round
   /// Between configure() and cleanup().
@@ -58,14 +59,14 @@ class ResourceBase {
   [[nodiscard]] const Bindings& bindings() const { return *bindings_; }
 
   /// Runtime only, under the lock: callers meet this core and these connections from now on; null:
-  /// as before. The interface keeps its services. The model keeps what they met before alive until
-  /// install(). [any]
+  /// as before. The interface keeps its services. The model keeps the core and the connections
+  /// before alive until install(). [any]
   void meet(const std::shared_ptr<CoreBase>& core, const std::shared_ptr<const Bindings>& bindings);
   /// Runtime only: the model shows from now on the elements that callers meet. [control]
   void install(std::shared_ptr<CoreBase> core, std::shared_ptr<const Bindings> bindings);
-  /// That callers meet.
+  /// The core that callers meet.
   [[nodiscard]] const std::shared_ptr<CoreBase>& shared_core() const { return core_; }
-  /// Those that callers meet.
+  /// The connections that callers meet.
   [[nodiscard]] const std::shared_ptr<const Bindings>& shared_bindings() const { return bindings_; }
 
  private:

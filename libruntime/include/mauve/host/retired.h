@@ -16,7 +16,7 @@ class Retired {
  public:
   Retired() = default;           ///< empty
   Retired(Retired&&) = default;  ///< leaves an empty one
-  /// Releases what this one held.
+  /// Releases the elements that it held.
   Retired& operator=(Retired&& other) noexcept {
     static_cast<void>(release());
     elements_.swap(other.elements_);

@@ -17,7 +17,7 @@ struct DataType;
 /// empty); a write to a full buffer drops the oldest item and counts it (`core.dropped`).
 class RingBufferBase : public ResourceBase {
  public:
-  static constexpr std::int64_t kCapacity = 64;  ///< items, unless core.capacity says so
+  static constexpr std::int64_t kCapacity = 64;  ///< items, unless core.capacity is set
 
   /// `core.capacity` is a property (default 64 items).
   RingBufferBase(std::string name, const DataType& data, std::shared_ptr<void> library = nullptr);

@@ -19,7 +19,7 @@ class SharedDataBase : public ResourceBase {
  public:
   static constexpr unsigned kReaders = 8;  ///< places of readers that never wait
 
-  /// `initial` (may be null) is what readers get before the first write.
+  /// Readers get `initial` before the first write; null: no data.
   SharedDataBase(std::string name, const DataType& data, const void* initial = nullptr,
                  std::shared_ptr<void> library = nullptr);
 

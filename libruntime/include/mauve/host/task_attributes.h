@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// TaskAttributes: how the thread of a component is scheduled, and what becomes of it when it is
-/// late or its core fails.
+/// TaskAttributes: how the thread of a component is scheduled, and the reactions when it is late or
+/// its core fails.
 #pragma once
 
 #include <cstddef>
@@ -41,7 +41,7 @@ struct FaultPolicy {
 /// How a component's thread is scheduled.
 struct TaskAttributes {
   int priority = 10;                       ///< SCHED_FIFO priority, 1 to 90
-  std::vector<int> cpus;                   ///< empty: the deployer pins to one CPU and says which
+  std::vector<int> cpus;                   ///< empty: the deployer chooses one and reports it
   Duration offset{0};                      ///< phase of all releases on the common clock
   Duration deadline{0};                    ///< after the release; zero: the end of the current wait
   Duration budget{0};                      ///< execution time of one job; zero: not declared

@@ -22,7 +22,7 @@ struct ComponentTiming {
   Duration deadline{0};              ///< after the release
   std::optional<Duration> response;  ///< none: no bound was found
   std::optional<Duration> slack;     ///< deadline - response
-  std::string problem;               ///< with what would help; empty: it meets its deadline
+  std::string problem;               ///< with a remedy; empty: it meets its deadline
 };
 
 /// How long one call keeps the lock of a resource.
@@ -48,9 +48,9 @@ struct Timing {
   /// as they are. None: an execution time is not known.
   std::optional<double> factor;
   std::vector<std::string> problems;  ///< all, also of CPUs and locks
-  std::vector<std::string> notes;     ///< what was not counted, and what the machine itself costs
+  std::vector<std::string> notes;     ///< times not counted, and the costs of the machine
   MachineCosts machine;               ///< the costs of the machine that all this assumes
-  std::vector<WakeNoise> noise;       ///< what probes saw of it; empty: there are none
+  std::vector<WakeNoise> noise;       ///< wake-ups of its probes; empty: there are none
 };
 
 }  // namespace mauve
