@@ -19,7 +19,7 @@ class CallPort {
                 "mauve: a call port has a signature such as `CallPort<double(int)>`");
 
  public:
-  /// Any arguments: the sentence above is enough.
+  /// Accepts any arguments, so that the sentence above is the only error.
   template <typename... A>
   explicit CallPort(A&&...) {}
 };

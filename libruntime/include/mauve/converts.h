@@ -30,7 +30,7 @@ class ConvertsBase {
   virtual ~ConvertsBase() = default;
 
   [[nodiscard]] const DataType& from() const { return from_; }  ///< the type that it converts
-  /// Of a state [rt], of a slow state [factory].
+  /// Converts a state [rt], or a slow state [factory].
   virtual void run(const void* old, void* now) const = 0;
 
  protected:

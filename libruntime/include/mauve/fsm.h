@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Clock-based state machines: when a component does what (paper 3.4, Listing 3).
+/// Clock-based state machines: when a component runs which function (paper 3.4, Listing 3).
 #pragma once
 
 #include <string_view>
@@ -134,10 +134,11 @@ constexpr auto update_of() {
 
 }  // namespace detail
 
-/// Base of a state machine: decides when a component does what. Derive from Fsm<YourContract>;
-/// states are members; on_configure() sets the start and the transitions [factory]. `configure()`
-/// refuses a machine without a start, with an unreachable state, or with a cycle that never waits.
-/// Guards run on the thread of the component [rt]. @snippet api_examples.cpp Fsm
+/// Base of a state machine: decides when a component runs which function of its core. Derive from
+/// Fsm<YourContract>; states are members; on_configure() sets the start and the transitions
+/// [factory]. `configure()` refuses a machine without a start, with an unreachable state, or with a
+/// cycle that never waits. Guards run on the thread of the component [rt].
+/// @snippet api_examples.cpp Fsm
 template <typename CoreT>
 class Fsm : public FsmBase {
  public:
@@ -232,7 +233,7 @@ class PeriodicFsm final : public Fsm<CoreT> {
  public:
   typename Fsm<CoreT>::Exec update{*this, "update",
                                    detail::update_of<CoreT>()};  ///< runs CoreT::update()
-  /// 10 ms unless the file says so
+  /// 10 ms unless the file sets it
   typename Fsm<CoreT>::Sync period{*this, "period", 10ms, "time between two updates"};
 
  private:

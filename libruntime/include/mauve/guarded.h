@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Guarded: bytes that put an output into its safe state, sent by the guardian process when this
-/// process ends without having said so, or falls silent. For devices that go on with the last
-/// command they were given. A device that stops by itself when commands cease is better: switch
-/// that on where there is one. Neither is an emergency stop.
+/// Guarded: bytes that put an output into its safe state. The guardian process sends them when this
+/// process ends without notice, or falls silent. For devices that go on with the last command they
+/// were given. A device that stops by itself when commands cease is better: switch that on where
+/// there is one. Neither is an emergency stop.
 #pragma once
 
 #include <chrono>

@@ -33,8 +33,8 @@ class InterfaceBase : public Configurable {
     core_.store(core.get(), std::memory_order_release);
     kept_ = std::move(core);
   }
-  [[nodiscard]] ResourceBase& resource() const { return *resource_; }  ///< whose interface this is
-  /// That serves callers now.
+  [[nodiscard]] ResourceBase& resource() const { return *resource_; }  ///< that has this interface
+  /// The core that serves callers now.
   [[nodiscard]] CoreBase& core() const { return *core_.load(std::memory_order_acquire); }
 
  private:

@@ -152,8 +152,8 @@ inline bool heap_is_counted() {
 
 }  // namespace detail
 
-/// The cost of `code` on this thread; `only_in_jobs`: heap and system calls of what surrounds the
-/// jobs of components in it are left out.
+/// The cost of `code` on this thread; `only_in_jobs`: only the heap and system calls within jobs of
+/// components count.
 template <typename Code>
 JobCost cost_of(Code&& code, bool only_in_jobs = false) {
   detail::CostCounts& counts = detail::cost_counts();

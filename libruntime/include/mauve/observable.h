@@ -55,7 +55,7 @@ class Observable final : public ObservableBase {
   static_assert(std::is_arithmetic_v<T>, "mauve: an observable is a number or a boolean");
 
  public:
-  /// `text` says for people what it is, `unit` in which unit; both are literals.
+  /// `text` describes the value for people, `unit` is its unit; both are literals.
   Observable(Configurable& owner, std::string_view name, T value = {}, std::string_view text = {},
              std::string_view unit = {})
       : ObservableBase(owner, name, text, unit, data_type<T>()) {

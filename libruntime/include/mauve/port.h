@@ -28,8 +28,8 @@ class ReadPort final : public PortBase {
  public:
   static constexpr std::size_t kMaxByValue = 4096;  ///< bytes
 
-  /// `fallback` is what a read returns while there is no data. `Writers::one`: the value moves
-  /// something, so one port at most may write into each service of the resource that it comes from.
+  /// A read returns `fallback` while there is no data. `Writers::one`: the value moves something,
+  /// so one port at most may write into each service of the resource that it comes from.
   ReadPort(Shell& shell, std::string_view name, T fallback = T{}, Need need = Need::usual,
            Writers writers = Writers::many)
       : PortBase(shell, name, Signature::read<T>(), need, writers), default_(std::move(fallback)) {}
@@ -49,7 +49,7 @@ class ReadPort final : public PortBase {
                   "`ReadPort<T> NAME{*this, \"NAME\", T{...}};`");
   }
 
-  /// The value, or the fallback; status() tells which. [rt], wait-free on a SharedData.
+  /// The value, or the fallback; status() distinguishes them. [rt], wait-free on a SharedData.
   [[nodiscard]] T read() {
     static_assert(sizeof(T) <= kMaxByValue, "mauve: over 4 kB: use read(into) or look()");
     T value = default_;
@@ -140,9 +140,9 @@ struct Safe {
 template <typename T>
 Safe(T) -> Safe<T>;  ///< from its value
 
-/// Writes to a connected service; not connected: counted and dropped. So is what is not plausible:
-/// a core on probation is then rolled back. Never throws. Use is [rt] by the thread of the
-/// component. The first writer of a SharedData never waits.
+/// Writes values to a connected service. A value without a connection is counted and dropped. So is
+/// a value that is not plausible: a core on probation is then rolled back. Never throws. Use is
+/// [rt] by the thread of the component. The first writer of a SharedData never waits.
 /// @snippet api_examples.cpp WritePort
 template <typename T>
 class WritePort final : public PortBase {
@@ -175,7 +175,7 @@ class WritePort final : public PortBase {
                   "`WritePort<T> NAME{*this, \"NAME\", mauve::Safe{T{...}}};`");
   }
 
-  /// False: nobody got the value.
+  /// False: the value was not delivered.
   bool write(const T& value) {
     const Instant stamp = this_job().start;
     if (!is_direct() || stamp == 0) [[unlikely]]

@@ -24,7 +24,7 @@ namespace mauve {
 template <typename T>
 class Property final : public detail::PropertyAt<T> {
  public:
-  /// `text` says for people what it is; texts are literals.
+  /// `text` describes the value for people; texts are literals.
   Property(Configurable& owner, std::string_view name, T value, std::string_view text = {},
            Limits<T> limits = {})
       : detail::PropertyAt<T>(owner, name, text, value, value_, std::move(limits)),

@@ -25,12 +25,12 @@ enum class Errc {
   abi_mismatch,    ///< a plugin was built for another runtime
   plugin_refused,  ///< a plugin file is missing, unsafe, damaged or incomplete
   not_permitted,   ///< the caller, or the process, lacks a privilege
-  partly,          ///< in force on some components only; the message says so
+  partly,          ///< in force on some components only
   conflict,        ///< another change was quicker, or holds it; a rule tries again
   timed_out,       ///< not finished in the time allowed; a rule tries again
   limit,           ///< a size, count or depth limit
   unsupported,     ///< a known thing that this version does not do
-  system,          ///< the operating system said no
+  system,          ///< the operating system refused
 };
 
 /// "invalid_value", "unknown_name", ...
@@ -46,7 +46,7 @@ struct Reason {
 /// One refusal: its kind, its place (a dotted address, or file:line:column), its reason, and the
 /// next step.
 struct Error {
-  Errc code = Errc::invalid_value;  ///< what kind
+  Errc code = Errc::invalid_value;  ///< its kind
   std::string at;       ///< address of the thing refused; may be filled by an outer layer
   std::string message;  ///< one sentence, lower case, no full stop
   std::string hint;     ///< one suggestion, may be empty
@@ -110,7 +110,7 @@ using Status = Result<void>;  ///< the answer of each hook
   return {code, std::move(at), std::move(message), std::move(hint)};
 }
 
-/// The reason of an error, for another one that says more. Valid as long as the error.
+/// The reason of an error, for another error with more detail. Valid as long as the error.
 [[nodiscard]] inline Reason reason_of(const Error& error) { return {error.code, error.id.c_str()}; }
 
 /// A refusal that `mauvectl explain` knows: refuse({Errc::duplicate, "id"}, at, message, hint).

@@ -59,7 +59,7 @@ class ServiceBase {
   virtual bool write(const void* /*data*/) { return false; }
   /// Lets the writer fill the value in place.
   virtual bool fill(Filler /*filler*/) { return false; }
-  /// Where every value written can be listened to; null for services that compute their value.
+  /// The taps that get each value written; null for services that compute their value.
   [[nodiscard]] virtual TapList* taps() { return nullptr; }
   /// Where its values lie, the same as long as it lives, for ports that use them without a call;
   /// null: they call.
@@ -166,7 +166,7 @@ class CallService {
                 "mauve: a call service has a signature such as `CallService<double(int)>`");
 
  public:
-  /// Any arguments: the sentence above is enough.
+  /// Accepts any arguments, so that the sentence above is the only error.
   template <typename... A>
   explicit CallService(A&&...) {}
 };

@@ -39,7 +39,7 @@ class StateBase : public Capsule {
 
 /// The data of a core that must survive a change. Declared as a member, one for each core, used as
 /// `state->goal` on the thread of the component [rt]. Cores that share the state type hand it over
-/// in a swap; one of another type says how it converts it (converts.h). Describe T, so that its
+/// in a swap; a core with another type declares a converter (converts.h). Describe T, so that its
 /// layout is compared field by field. A state without description or name (type.h) is handed over
 /// within one build of its plugin only; a change notes a state with a name alone. Do not keep
 /// references into it: a swap exchanges the object. A change that would lose it is refused.
@@ -47,7 +47,7 @@ class StateBase : public Capsule {
 template <typename T>
 class State final : public StateBase {
  public:
-  /// `initial` is what a core begins with to which nothing is handed over.
+  /// A core to which nothing is handed over begins with `initial`.
   explicit State(CoreBase& owner, T initial = T{})
       : StateBase(owner, data_type<T>(), std::make_shared<T>(std::move(initial))) {}
   /// Refuses to compile, with one sentence.

@@ -65,8 +65,8 @@ enum class TraceKind : std::uint8_t {
 /// One record, as it is collected. Names are numbers, see trace_name().
 struct TraceRecord {
   Instant time = 0;                  ///< since T0
-  TraceKind kind = TraceKind::lost;  ///< what happened
-  std::uint32_t thread = 0;          ///< which thread, as a number
+  TraceKind kind = TraceKind::lost;  ///< the kind of event
+  std::uint32_t thread = 0;          ///< the number of the thread
   std::uint32_t name = 0;            ///< 0: none
   std::int64_t a = 0;                ///< see the table of the kind
   std::int64_t b = 0;                ///< of `user` the bits of a double
@@ -75,7 +75,8 @@ struct TraceRecord {
 /// The number of a name, the same for equal names, for the life of the process; 0 when there are
 /// too many. Takes a lock and memory: never on a real-time thread.
 [[nodiscard]] std::uint32_t trace_name_id(std::string_view name);
-/// Empty for 0 and what is no number of a name. Stays valid. [any but rt]
+/// The name with this number; empty for 0 and for a number without a name. Stays valid. [any but
+/// rt]
 [[nodiscard]] std::string_view trace_name(std::uint32_t id);
 
 /// A component that a trace refers to, as it is now.

@@ -33,8 +33,8 @@ class Binding {
   /// The same, when the port has a slot of its own there, which a write port tries to claim; else
   /// null. [rt]
   [[nodiscard]] Exchange* is_direct() const;
-  /// A value of a write port, by the thread of its component or by its replacement:
-  /// there, or by a call of the service. False: nobody got it. [rt]
+  /// Writes a value for a write port, on the thread of its component or on the thread that replaced
+  /// it: into the exchange, or by a call of the service. False: the value was not delivered. [rt]
   bool write(const void* value) const;
   /// After write_alone(): taps that were attached meanwhile get the value; true. [rt]
   bool notify_taps(const void* value, Instant stamp) const;

@@ -19,7 +19,7 @@ class Capsule {
   [[nodiscard]] const DataType& type() const { return type_; }
   /// Same name, revision and layout: goes from one core to the other as it is.
   [[nodiscard]] bool fits(const Capsule& other) const { return same_type(type_, other.type_); }
-  /// How data of another type is brought into this one; null when the core does not know.
+  /// The converter from another type into this one; null: the core has none.
   [[nodiscard]] const ConvertsBase* converter_from(const DataType& other) const;
 
  protected:

@@ -54,11 +54,11 @@ class Configurable {
  protected:
   /// Called by configure(): open, allocate, compute; return an error to refuse. [factory]
   virtual Status on_configure() { return ok(); }
-  /// Called by cleanup(): close what on_configure opened. [factory]
+  /// Called by cleanup(): undo on_configure(), close and free. [factory]
   virtual void on_cleanup() {}
-  /// Runtime only: forgets what an earlier on_configure() set up, before it is called again.
+  /// Runtime only: undoes the declarations of an earlier on_configure(), before it is called again.
   virtual void reset() {}
-  /// Runtime only: checks what on_configure() set up.
+  /// Runtime only: checks the declarations of on_configure().
   virtual Status verify() { return ok(); }
 
  private:

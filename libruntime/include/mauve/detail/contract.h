@@ -61,7 +61,7 @@ struct ContractOf<T> {
   using type = typename T::Contract;
 };
 
-/// A virtual function that is declared after all those of C. Nobody makes an object of it.
+/// A virtual function that is declared after all those of C. No object of it is ever made.
 template <typename C>
 struct AfterAll : C {
   virtual void mauve_after_all() {}

@@ -28,7 +28,7 @@ enum class DataStatus : std::uint8_t {
          status == DataStatus::stale;
 }
 
-/// Where one reader stands with one service.
+/// The position of one reader in the values of one service.
 struct Cursor {
   unsigned slot = 0;       ///< reader slot of a wait-free exchange
   std::uint64_t seen = 0;  ///< sequence number of the last value read

@@ -24,7 +24,8 @@ inline constexpr bool kFirstOf<Types<W, Wanted...>, Types<G, Given...>> =
 template <std::size_t kLeast, typename Wanted, typename... Given>
 inline constexpr bool kDeclares = sizeof...(Given) >= kLeast&& kFirstOf<Wanted, Types<Given...>>;
 
-/// False, once it is known of what.
+/// False for all T. It depends on T, so that a static_assert with it fails only where a template is
+/// used.
 template <typename... T>
 inline constexpr bool kNever = false;
 

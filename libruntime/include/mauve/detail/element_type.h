@@ -48,7 +48,7 @@ std::shared_ptr<Base> make() {
   return nullptr;
 }
 
-/// The class has a shell that is one.
+/// Whether the class is a core, and names a shell that is one.
 template <typename C>
 constexpr bool check_core() {
   constexpr bool kCore = std::derived_from<C, CoreBase> && requires { typename C::ShellType; };
@@ -199,7 +199,7 @@ struct ComponentType {
   std::string name;
   ShellType shell;
   FsmType fsm;
-  std::string default_core;  ///< may be empty: the file must say `core`
+  std::string default_core;  ///< may be empty: the file must name `core`
 };
 
 /// A kind of resource: shell, core and interface.

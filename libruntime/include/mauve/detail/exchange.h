@@ -16,12 +16,13 @@ namespace mauve {
 struct Exchange {
   Exchange(std::size_t size, unsigned readers) : latest(size, readers) {}
 
-  /// Copying few bytes takes no call; for many the library knows what this CPU can do.
+  /// The size of a value to copy. A small constant size is copied without a call; for a larger one
+  /// the C library has code for this CPU.
   template <typename T>
   [[nodiscard]] std::size_t bytes_of() const {
     return sizeof(T) <= 128 ? sizeof(T) : latest.size();
   }
-  /// Of a cursor that stands at a value. [rt], wait-free.
+  /// Copies the value at which the cursor stands. [rt], wait-free.
   template <typename T>
   void copy(T& into, const Cursor& cursor) const {
     std::memcpy(static_cast<void*>(&into), cursor.data, bytes_of<T>());
@@ -32,7 +33,7 @@ struct Exchange {
   bool write_alone(const void* data, std::size_t size, Instant stamp) {
     return latest.write_alone(data, size, stamp, may_write);
   }
-  /// False: nothing is written, write_alone().
+  /// The fast path of write_alone(). False: nothing is written, call write_alone().
   [[gnu::always_inline]] bool write_as_expected(const void* data, std::size_t size, Instant stamp) {
     return latest.write_as_expected(data, size, stamp, may_write);
   }

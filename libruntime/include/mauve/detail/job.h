@@ -61,7 +61,8 @@ namespace detail {
 /// The calling thread's job. [any]
 [[nodiscard]] inline Job& this_job() { return detail::job; }
 
-/// An error when the calling thread runs a job: `what` takes locks, time and memory. [any]
+/// Refuses the function `what`, which takes locks, time and memory, when the calling thread runs a
+/// job. [any]
 [[nodiscard]] Status refuse_in_job(const std::string& at, const char* what);
 
 /// While it lives, ports used by this thread are not connected. [factory]: a core that is being

@@ -2,11 +2,11 @@
 /// LatestValue: wait-free exchange of the newest value between two writers at a time and a fixed
 /// number of readers. Runtime only; ports use it without a call.
 ///
-/// One word says which slot is the newest, and which readers have claimed it. A reader that finds
-/// itself there still holds that slot; else it adds itself, and so gives back the one before. A
-/// writer that publishes replaces the word, owns the slot that was the newest, and knows which
-/// readers hold it. With one reader this is the triple buffer, at its cost: nothing moves between
-/// CPUs but the word and the value.
+/// One word holds the number of the newest slot and a mark for each reader that has claimed it. A
+/// reader that finds its mark still holds that slot. Else it adds its mark, and so releases the
+/// slot before. A writer that publishes replaces the word, owns the slot that was the newest, and
+/// knows the readers that hold it. With one reader this is the triple buffer, at its cost: nothing
+/// moves between CPUs but the word and the value.
 #pragma once
 
 #include <array>
@@ -59,10 +59,10 @@ class LatestValue {
   }
   void release_slot(std::uint64_t writer) { writer_.compare_exchange_strong(writer, 0); }
 
-  /// Only for the thread that owns the writer's slot. False when a job was aborted in here or its
-  /// thread abandoned, or `may` says no, which is asked whenever it is known what this value
-  /// replaces: then begin_write(). A value that one from there overtakes is never seen. `size`:
-  /// known when this is compiled, or size(). [rt], wait-free.
+  /// Publishes a value without a lock; only for the thread that owns the writer's slot. False: call
+  /// begin_write(). That is after a job was aborted in here, or when may() is false, which is
+  /// called once the word to replace is known. A value that begin_write() overtakes is never seen.
+  /// `size`: a constant, or size(). [rt], wait-free.
   template <typename May>
   [[nodiscard, gnu::noinline]] bool write_alone(const void* data, std::size_t size, Instant stamp,
                                                 const May& may) {
@@ -80,8 +80,8 @@ class LatestValue {
     leave(word);
     return true;
   }
-  /// The same for most writes: the word is what was expected, and of the readers only the first has
-  /// claimed the newest value. False: nothing is published, and it is write_alone() that can.
+  /// The fast path of most writes: the word is the expected one, and of the readers only the first
+  /// has claimed the newest value. False: nothing is published, call write_alone().
   template <typename May>
   [[nodiscard, gnu::always_inline]] bool write_as_expected(const void* data, std::size_t size,
                                                            Instant stamp, const May& may) {
@@ -92,7 +92,7 @@ class LatestValue {
     put(ahead_, data, size, stamp);
     return exchange_slots(expected);
   }
-  /// Storage of the next value; holds some older one. One writer at a time: who calls keeps others
+  /// Storage of the next value; holds some older one. One writer at a time: the caller keeps others
   /// out until end_write(). [rt]
   [[nodiscard]] void* begin_write();
   /// Makes it the newest. [rt], wait-free.
@@ -112,7 +112,7 @@ class LatestValue {
     if (status != DataStatus::no_data) cursor.word = word;
     return status;
   }
-  /// Moves a cursor to what is there to see.
+  /// Moves a cursor to the value of the view.
   static DataStatus show(const View& view, Cursor& cursor) {
     if (view.data == nullptr) return DataStatus::no_data;
     const bool fresh = view.header.sequence != cursor.seen;
@@ -121,11 +121,11 @@ class LatestValue {
     cursor.data = view.data;
     return fresh ? DataStatus::new_data : DataStatus::old_data;
   }
-  /// The newest value while nobody writes.
+  /// The newest value, while no thread writes.
   [[nodiscard]] View newest() const { return view(index_of(word_.load())); }
 
   [[nodiscard]] std::size_t size() const { return size_; }
-  /// The slots that a writer alone uses while there is one reader, with what describes them.
+  /// The slots, headers included, that a single writer uses while there is one reader.
   [[nodiscard]] std::array<const std::byte*, 3> first_slots() const {
     return {slot(0), slot(1), slot(2 + kFirstReader)};
   }
@@ -236,12 +236,12 @@ class LatestValue {
   std::size_t stride_;
   std::byte* memory_;
   std::atomic<unsigned> used_{1};         // readers that were ever attached
-  std::atomic<std::uint64_t> writer_{0};  // who needs no lock
+  std::atomic<std::uint64_t> writer_{0};  // the one that needs no lock
   unsigned readers_;                      // with those in turn
   std::unique_ptr<std::atomic<bool>[]> claimed_;
   alignas(kApart) std::atomic<std::uint64_t> word_;
-  alignas(kApart) std::atomic<std::uint64_t> expected_;  // what the word will be for write_alone()
-  std::byte* ahead_;                                     // the slot for its next value
+  alignas(kApart) std::atomic<std::uint64_t> expected_;     // the word to be replaced, or kInside
+  std::byte* ahead_;                                        // the slot for its next value
   std::atomic<std::uint64_t> unusual_{kReaders & ~kFirst};  // see replace()
   Lane alone_;
   alignas(kApart) Lane locked_;

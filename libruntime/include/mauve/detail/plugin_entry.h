@@ -20,7 +20,7 @@ struct PluginManifest {
   char name[64] = {};
   char version[32] = {};
   char compiler[64] = {};
-  std::uint64_t checksum = 0;  ///< of what is mapped, written after linking; 0: not yet
+  std::uint64_t checksum = 0;  ///< of the mapped bytes, written after linking; 0: not yet
   std::uint64_t options = 0;   ///< bits of build_option
   std::uint64_t reserved[6] = {};
 };

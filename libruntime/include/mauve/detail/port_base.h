@@ -91,7 +91,7 @@ class PortBase {
   void name_in_trace(std::string_view name) { trace_name_ = trace_name_id(name); }
 
  protected:
-  /// The connection in force, or null. Forgets where it stood when it changed. [rt]
+  /// The connection in force, or null. Resets the cursor when the connection has changed. [rt]
   [[nodiscard]] const Binding* binding();
   /// Whether exchange() can read or write the value without a call. It can at a port that is
   /// connected as at the last use, to a SharedData in which this port has a slot of its own, with
@@ -105,7 +105,7 @@ class PortBase {
   [[nodiscard]] Exchange& exchange() const { return *exchange_; }  ///< only when is_direct()
   /// Taps that were attached while a value was written directly get it; true. [rt]
   bool notify_taps(const void* value);
-  /// There is more to do: it is never at hand.
+  /// Each use takes more than exchange(): is_direct() is always false.
   void always_call() { calls_ = true; }
   /// How old a value may be; zero: no limit.
   [[nodiscard]] Duration max_age() const { return max_age_; }
@@ -116,7 +116,7 @@ class PortBase {
 
  private:
   const std::uint64_t& version_;      // of the connections of the shell
-  std::uint64_t direct_version_ = 0;  // at the last use; 0: exchange() is not at hand
+  std::uint64_t direct_version_ = 0;  // at the last use; 0: do not use exchange()
   Exchange* exchange_ = nullptr;      // of the connection then
   Duration max_age_{0};               // too
   std::uint64_t seen_ = 0;            // id of the connection that the cursor belongs to

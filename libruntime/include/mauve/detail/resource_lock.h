@@ -23,11 +23,11 @@ class PendingUpdate {
   virtual bool apply(Instant release) = 0;
 };
 
-/// Callers outside of a job wait so long for a resource: none may be declared to be held longer.
+/// The longest lock budget that may be declared, since callers outside of a job wait so long.
 inline constexpr Duration kLongestBudget{1s};
 
-/// The priority-inheritance lock of a resource, with a bounded wait and a record of what the thread
-/// holds.
+/// The priority-inheritance lock of a resource, with a bounded wait and a record of the locks that
+/// each thread holds.
 class ResourceLock {
  public:
   ResourceLock();
@@ -46,10 +46,10 @@ class ResourceLock {
   /// The longest that a caller held it without being interrupted by another thread; 0: none was
   /// measured. For the analysis of response times. [any]
   [[nodiscard]] Duration longest_held() const { return Duration{longest_.load()}; }
-  /// Under the lock: its core is another one.
+  /// Forgets the measured times, because the resource has another core. Under the lock.
   void forget_times();
-  /// The longest that any one call keeps it, as declared; zero: nobody said. Like the budget of a
-  /// task, it counts before what was measured. [control]
+  /// Declares the lock budget, the longest time that one call keeps the lock; zero: none. Like the
+  /// budget of a task, it counts before a measured time. [control]
   void set_budget(Duration longest) { declared_.store(longest.count(), std::memory_order_relaxed); }
   [[nodiscard]] Duration budget() const {
     return Duration{declared_.load(std::memory_order_relaxed)};
@@ -58,11 +58,11 @@ class ResourceLock {
   [[nodiscard]] std::uint64_t over_budget() const {
     return over_budget_.load(std::memory_order_relaxed);
   }
-  /// It is only ever held for some loads and stores: the clock would take longer. Before its first
-  /// caller.
+  /// Declares that it is only held for some loads and stores, so that no hold is timed: reading the
+  /// clock would take longer. Before its first caller.
   void hold_shortly() { timed_ = false; }
-  /// Only code of the runtime and of the caller runs under it, so a caller that fails there fails
-  /// by itself. Before its first caller.
+  /// Declares that only code of the runtime and of the caller runs under it, so a caller that fails
+  /// there is itself to blame. Before its first caller.
   void blame_caller() { blames_caller_ = true; }
   /// The name of its resource in a trace.
   void name_in_trace(std::uint32_t name) { trace_name_ = name; }
@@ -81,8 +81,8 @@ class ResourceLock {
   /// the job was aborted inside the others. Returns the innermost in whose own code it was; null:
   /// none.
   static const ResourceLock* poison_and_leave_all(std::size_t kept = 0);
-  /// Runtime only: of all that a thread holds that never returns: poisoned, and given a new lock in
-  /// place of the one that only that thread could unlock. Takes memory; the thread must not end
+  /// Runtime only: poisons all resources that an abandoned thread holds, and gives each a new lock
+  /// in place of the one that only that thread could unlock. Takes memory; the thread must not end
   /// meanwhile. Returns the innermost, as above. [guard]
   static const ResourceLock* poison_and_free_all(Job& lost);
 
@@ -137,7 +137,7 @@ class ScopedLock {
   ScopedLock(const ScopedLock&) = delete;
   ScopedLock& operator=(const ScopedLock&) = delete;
   explicit operator bool() const { return entered_; }
-  /// Why not.
+  /// Why the lock could not be acquired.
   [[nodiscard]] DataStatus refusal() const {
     return lock_.poisoned() ? DataStatus::poisoned : DataStatus::timed_out;
   }

@@ -30,7 +30,7 @@ class Tap {
   /// Values lost since the last call.
   [[nodiscard]] std::uint64_t take_lost() { return lost_.exchange(0, std::memory_order_relaxed); }
   [[nodiscard]] const DataType& data() const { return data_; }
-  /// Nothing is listened to any more. [any]
+  /// From now on the tap takes no value. [any]
   void close() { closed_.store(true, std::memory_order_relaxed); }
   [[nodiscard]] bool closed() const { return closed_.load(std::memory_order_relaxed); }
 
@@ -58,9 +58,9 @@ class TapList {
   /// list keeps the tap, so that the writer may still look at it. It keeps the tap until the next
   /// attach or detach, or its own end. [control]
   void detach(Tap& tap, ResourceLock& lock);
-  /// Nobody listens. [any]
+  /// No tap is attached. [any]
   [[nodiscard]] bool empty() const { return count_.load() == 0; }
-  /// [rt], under the lock; one load each when nobody listens.
+  /// [rt], under the lock; one load when no tap is attached.
   void push(const void* value, Instant stamp) {
     if (count_.load(std::memory_order_relaxed) == 0) return;
     for (const std::shared_ptr<Tap>& tap : taps_) {
