@@ -38,7 +38,7 @@ Truth compared(std::partial_ordering order, Compare compare) {
   return Truth::unknown;
 }
 
-/// Compares a value with the operand, whatever alternative that is.
+/// Compares a value with the operand, of any alternative.
 struct Against {
   const Value& value;
   Compare compare;

@@ -18,7 +18,7 @@
 
 namespace mauve::rules {
 
-/// The truth of a condition now. Unknown: an address has no value, so nothing may be done about it.
+/// The truth of a condition now. Unknown: an address has no value now.
 enum class Truth : std::uint8_t { no, yes, unknown };
 [[nodiscard]] Truth operator!(Truth truth);
 
@@ -56,8 +56,7 @@ class Condition {
   static constexpr std::size_t kDeepest = 32;      ///< parentheses and `not` within each other
   static constexpr std::size_t kComparisons = 64;  ///< in one condition
 
-  /// Refused: a text that is no condition. The message says at which character; `at` is empty.
-  /// [any]
+  /// Refused: a text that is no condition. The message names the character; `at` is empty. [any]
   [[nodiscard]] static Result<Condition> parse(std::string_view text);
 
   [[nodiscard]] const std::string& text() const { return text_; }
@@ -74,7 +73,8 @@ class Condition {
   friend class Parser;
   Condition() = default;
 
-  /// In the order of evaluation: comparisons push, the others take what was pushed.
+  /// In the order of evaluation, on a stack: a comparison pushes its truth, the others replace
+  /// their operands by the result.
   enum class Step : std::uint8_t { compare, negate, both, either };
 
   std::string text_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Engine: looks at all rules and says which fire now. Applies nothing, reads no clock.
+/// Engine: evaluates all rules and returns those that fire now. Applies nothing, reads no clock.
 #pragma once
 
 #include <cstddef>
@@ -71,7 +71,7 @@ class Engine {
   };
 
   void look(Instant now, const Read& read);
-  /// The truth that counts: unknown is yes for a rule that says so.
+  /// The truth that counts: unknown is yes for a rule with Unknown::fire.
   [[nodiscard]] Truth answered_by(const Rule& rule, const Watched& watched, Truth truth) const;
 
   std::vector<Rule> rules_;

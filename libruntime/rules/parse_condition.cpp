@@ -24,7 +24,7 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
-/// Other languages' words for what is wanted.
+/// A hint at the word that a sign of another language stands for.
 std::string_view meant_by(std::string_view text) {
   constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kMeant{
       {{"=", "write =="},

@@ -30,7 +30,7 @@ class Sight {
  private:
   bool lost_ = false;
   bool was_known_ = false;
-  std::optional<Instant> since_;  // the value has been otherwise than lost_ says
+  std::optional<Instant> since_;  // the value contradicts lost_
 };
 
 /// A value that became unknown, or is known again.

@@ -24,7 +24,7 @@ enum class Action : std::uint8_t { disconnect, connect, swap, set, stop, start }
 /// One step of a transaction.
 struct Step {
   Action action = Action::stop;
-  std::string subject;  ///< what is changed: a port, a property or a component, by its address
+  std::string subject;  ///< the target: a port, a property or a component, by its address
   std::string object;   ///< of connect the service, of swap the core
   Value value;          ///< of set
   Duration max_age{0};  ///< of connect: values older than this are `stale`; zero: no limit
@@ -47,7 +47,7 @@ struct Rule {
   Condition when;
   std::optional<Condition> until;  ///< may fire again; absent: when `when` does not hold
   Timing timing;
-  std::string transaction;  ///< what it applies, by name; empty: `steps`
+  std::string transaction;  ///< the one that it applies, by name; empty: `steps`
   Steps steps;
   Unknown when_unknown = Unknown::hold;
 };

@@ -37,7 +37,7 @@ State Trigger::next(Instant now, Truth when, Truth rearm) {
   if (state_ == State::fired) {
     if (when != Truth::yes) since_.reset();
     if (rearm != Truth::yes) return State::fired;
-    since_.reset();  // what held before does not count again
+    since_.reset();  // the time before does not count again
   }
   if (when != Truth::yes) {
     since_.reset();

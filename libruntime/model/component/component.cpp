@@ -37,7 +37,7 @@ ComponentBase::ComponentBase(std::string name, ComponentType type, CoreType core
 ComponentBase::~ComponentBase() { static_cast<void>(cleanup()); }
 
 TaskAttributes& ComponentBase::task() {
-  // Before deployment nobody else sees the bundle.
+  // Before deployment no other thread sees the bundle.
   return std::const_pointer_cast<Bundle>(bundle_)->task;
 }
 

@@ -11,7 +11,7 @@
 namespace mauve {
 namespace {
 
-/// The element's address where the hook did not say one.
+/// Adds the address of the element to an error of a hook that gave none.
 Status located(Status status, const std::string& address) {
   if (!status && status.error().at.empty()) status.error().at = address;
   return status;

@@ -57,7 +57,7 @@ Status drop_elements(const std::string& address, Drop&& drop) {
 /// checks them; afterwards it is not configured, and its transitions are known.
 Status check_machine(FsmBase& fsm);
 
-/// Configures from front to back; a failure cleans up what this call had configured.
+/// Configures from front to back; a failure cleans up those that this call had configured.
 Status configure_in_order(std::span<Configurable* const> elements);
 /// Cleans up from back to front; returns the first error, but cleans all.
 Status cleanup_in_reverse(std::span<Configurable* const> elements);

@@ -63,7 +63,7 @@ bool takes(const Capsule* into, const Capsule& from) {
   return into != nullptr && (into->fits(from) || into->converter_from(from.type()) != nullptr);
 }
 
-/// A core that says that it needs no state may leave one that is only offered.
+/// A core that is declared Stateless may leave a state that is only offered.
 bool may_leave(const CoreBase& into, StatePolicy policy) {
   return policy == StatePolicy::offer && into.stateless();
 }

@@ -32,22 +32,25 @@ struct HandOver {
   const ConvertsBase* convert = nullptr;  ///< null: the objects change owner
   std::size_t bytes = 0;                  ///< size of the state handed over
 
-  /// At the boundary. [rt], no heap; two pointer stores, or the converter: a fault of that is
-  /// returned, and `into` may be half written then. `watched`: see rt::run_guarded().
+  /// Hands the state over at the boundary. [rt], no heap; two pointer stores, or the converter: a
+  /// fault of that is returned, and `into` may be half written then. `watched`: see
+  /// rt::run_guarded().
   [[nodiscard]] rt::Fault run(const rt::Watched& watched = rt::kUnwatched) const;
-  /// Brings near what run() will touch. [rt]
+  /// Prefetches the memory that run() will touch. [rt]
   void fetch() const;
 
  private:
   static void run_converter(void* self);
 };
 
-/// Errors: type_mismatch, with both types. [any], not on a real-time thread.
+/// The plan for the state between these cores. Errors: type_mismatch, with both types. [any], not
+/// on a real-time thread.
 [[nodiscard]] Result<HandOver> plan_hand_over(const CoreBase& from, const CoreBase& into,
                                               StatePolicy policy);
 
 /// Before the new core is configured, while the old one runs: shares or converts the slow state,
-/// and asks whether there is a plan for the other. Errors: type_mismatch, hook_threw. [factory]
+/// and checks that there is a plan for the other state. Errors: type_mismatch, hook_threw.
+/// [factory]
 [[nodiscard]] Status prepare_hand_over(const CoreBase& from, const CoreBase& into,
                                        StatePolicy policy);
 
@@ -55,13 +58,14 @@ struct HandOver {
 [[nodiscard]] std::vector<const DataType*> dropped_states(const CoreBase& from,
                                                           const CoreBase& into, StatePolicy policy);
 
-/// The types of the states that go over as they are although nobody compared their fields: they
+/// The types of the states that go over as they are although their fields were not compared: they
 /// come from another build, and their descriptions are a name alone.
 [[nodiscard]] std::vector<const DataType*> unexamined_states(const CoreBase& from,
                                                              const CoreBase& into,
                                                              StatePolicy policy);
 
-/// Before either: an error when `from` is poisoned and its state is not to be dropped. [any]
+/// To be asked before either: an error when `from` is poisoned and its state is not to be dropped.
+/// [any]
 [[nodiscard]] Status check_whole(const ResourceBase& from, StatePolicy policy);
 
 }  // namespace mauve

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// StateTransfer: the state that a joining resource takes over from the one that leaves under its
-/// name, while nobody uses either of them.
+/// name, while no thread uses either of them.
 ///
 ///   `cores of authors`: the rule of hand_over.h. When there may be a rollback, a state that would
 ///     be moved is copied, or refused if not plain bytes.
@@ -27,7 +27,7 @@ class ValueStore {
   using Visit = std::function<void(const void* value, Instant stamp)>;
 
   [[nodiscard]] virtual const DataType& data() const = 0;
-  /// Oldest first. Nobody else uses it meanwhile. [control]
+  /// Visits the values, the oldest first. No other thread uses the store meanwhile. [control]
   virtual void each(const Visit& visit) const = 0;
   virtual void put(const void* value, Instant stamp) = 0;
 
@@ -38,12 +38,12 @@ class ValueStore {
 /// Worked out beforehand; valid while both cores live.
 struct StateTransfer {
   HandOver hand_over;
-  bool copies = false;  ///< what hand_over would move
+  bool copies = false;  ///< the state that hand_over would move is copied
   const ValueStore* from = nullptr;
   ValueStore* into = nullptr;
 
-  /// Nobody uses either resource. Bytes that were handed over; an error, of `at`, when a converter
-  /// fails. `watched`: see rt::run_guarded(). [control]
+  /// Hands the state over while no thread uses either resource. Returns the number of bytes, or an
+  /// error of `at` when a converter fails. `watched`: see rt::run_guarded(). [control]
   [[nodiscard]] Result<std::size_t> run(const std::string& at,
                                         const rt::Watched& watched = rt::kUnwatched) const;
   /// After run(): gives the moved state back to the old resource.

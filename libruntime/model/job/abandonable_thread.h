@@ -38,7 +38,7 @@ class AbandonableThread {
   bool move(Place from, Place to);
 
   std::atomic<Place> place_{Place::outside};
-  mutable Mutex mutex_;  // of what follows
+  mutable Mutex mutex_;  // of the members below
   std::string hook_ MAUVE_GUARDED_BY(mutex_);
 };
 

@@ -12,7 +12,7 @@ namespace mauve {
 
 namespace {
 
-/// Runs `body`, which runs code of the service, where a failure ends nobody else.
+/// Runs `body`, which calls code of the service, so that a failure ends that call only.
 template <typename Body>
 Status guarded(ServiceBase& service, const Body& body) {
   const std::size_t held = ResourceLock::held();

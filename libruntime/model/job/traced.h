@@ -9,7 +9,7 @@
 
 namespace mauve {
 
-/// The ring of this job while so much is traced; null: nobody wants to know, or the thread was
+/// The ring of this job while so much is traced; null: not so much is traced, or the thread was
 /// abandoned and has no part in its component any more. [rt]
 [[nodiscard]] inline rt::TraceRing* ring_of(const Job& job, TraceMode needed) {
   if (!detail::traces(needed) || job.has_no_ports()) return nullptr;

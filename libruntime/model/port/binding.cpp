@@ -48,7 +48,7 @@ Exchange* Binding::is_direct() const {
 bool Binding::write(const void* value) const {
   const Instant stamp = job_time();
   Exchange* const exchange = is_direct();
-  // Also while somebody listens: the value is out before anybody waits for the lock.
+  // Also while taps are attached: the value is out before this thread waits for the lock.
   if (exchange != nullptr && exchange->write_alone(value, exchange->latest.size(), stamp)) {
     return notify_taps(value, stamp);
   }

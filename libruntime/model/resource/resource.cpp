@@ -51,7 +51,7 @@ Status ResourceBase::cleanup() {
 }
 
 Status ResourceBase::rebind(std::shared_ptr<const Bindings> bindings) {
-  // Accessors use the table under the lock: after the exchange nobody sees the old one.
+  // Accessors use the table under the lock: after the exchange no thread sees the old one.
   ScopedLock held(lock_);
   if (!held) return refuse({Errc::timed_out, "resource_busy"}, name_, "is busy");
   if (configured_) shell_->use(bindings.get());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Which resources write on into which, so that a thread holds both at once.
+/// The graph of resources that call other resources, so that a thread holds the locks of both.
 #pragma once
 
 #include <cstddef>
@@ -16,9 +16,9 @@ class ResourceBase;
 
 class ResourceGraph {
  public:
-  /// Of all resources as they are connected now.
+  /// Begins with all resources as they are connected now.
   explicit ResourceGraph(const Architecture& architecture);
-  /// This resource has these connections, whatever it had before.
+  /// Gives the resource these connections, in place of those that it had.
   void put(const ResourceBase& resource, const Bindings& bindings);
   void connect(const ResourceBase& from, const ResourceBase& into);
   void remove(const ResourceBase& resource);

@@ -179,7 +179,7 @@ const ResourceLock* ResourceLock::poison_and_free_all(Job& lost) {
   for (std::size_t i = 0; i < count; ++i) {
     LockState& lock = *lost.held[i].load(std::memory_order_relaxed);
     if (!lock.end_hold_of(lost)) continue;  // it has left this one
-    lock.owner.poison();                    // before anybody can enter
+    lock.owner.poison();                    // before any thread can enter
     lock.owner.renew_lock();
     if (!lock.owner.blames_caller_) last = &lock.owner;
   }

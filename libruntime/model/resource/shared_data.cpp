@@ -80,8 +80,7 @@ class ReadLatest final : public ServiceBase {
       cursor.seen = 0;
     }
     visitor(data);
-    // The visitor may have read on, and a thread that was abandoned in it has a successor that
-    // does.
+    // The visitor may have read on, and an abandoned thread has a replacement that does.
     const bool still = cursor.seen == 0 && !this_job().has_no_ports();
     if (fresh && still) cursor.seen = seen;
     return status;

@@ -13,7 +13,7 @@
 
 namespace mauve::plugin {
 
-/// The one symbol that a plugin exports: its manifest, then what it declares.
+/// The one symbol that a plugin exports: its manifest, then its function that declares types.
 inline constexpr std::string_view kEntry = "mauve_plugin";
 
 /// Where the manifest lies in the file. Refused: no plugin, or damaged so that it is not found.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A private copy of a plugin in memory: nobody can change it under the feet of code that runs.
+/// A private copy of a plugin in memory: no process can change it while its code runs.
 #pragma once
 
 #include <cstddef>

@@ -63,7 +63,8 @@ class Catalog {
   Status add(Plugin plugin);
 
   /// The same in one call, for programs with one thread for all this. `load()` refuses a plugin
-  /// that is loaded already; reload() leaves old instances on the old code, and says so.
+  /// that is loaded already; reload() leaves old instances on the old code, and returns their
+  /// names.
   Status load(std::string_view plugin);
   Result<Unmapped> unload(std::string_view plugin);
   Result<Unmapped> reload(std::string_view plugin);

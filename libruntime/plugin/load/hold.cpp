@@ -45,7 +45,7 @@ template <typename Base>
 std::shared_ptr<Base> made(const std::shared_ptr<Library>& library, std::shared_ptr<Base> object,
                            const std::string& name) {
   auto hold = std::make_shared<Hold>(library, name);
-  // The list owns a copy of the address: the element may go while somebody reads the list. The
+  // The list owns a copy of the address: the element may go while a thread reads the list. The
   // element is destroyed before its hold (Release), so a bare pointer does.
   object->when_adopted([held = hold.get()](const std::string& address) { held->place(address); });
   if constexpr (std::is_same_v<Base, CoreBase>) {

@@ -14,7 +14,7 @@ namespace mauve::plugin {
 /// One registered user of a library, for as long as it lives.
 class Hold {
  public:
-  /// `user` is the name of a type, or says everything.
+  /// `user` is the name of a type, or the whole text of the entry in the list.
   Hold(std::shared_ptr<Library> library, std::string user);
   Hold(const Hold&) = delete;
   Hold& operator=(const Hold&) = delete;
@@ -30,7 +30,7 @@ class Hold {
 
 /// A maker whose objects hold the library, and whose states do too. It does not hold the library
 /// itself, and throws std::runtime_error when the library was retired or is gone. `plain` belongs
-/// to what the library declared; `name` is the type's.
+/// to the declarations of the library; `name` is the type's.
 detail::Make<Shell> keep(const std::shared_ptr<Library>& library, const detail::Make<Shell>& plain,
                          const std::string& name);
 detail::Make<CoreBase> keep(const std::shared_ptr<Library>& library,

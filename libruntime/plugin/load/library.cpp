@@ -104,7 +104,7 @@ Status Library::declare(const PluginManifest& checked) {
     return ok();
   });
   if (!declared) {
-    declared.error().at.clear();  // the file says more
+    declared.error().at.clear();  // open() names the file instead
     return declared;
   }
   prefault(entry);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A plugin in memory: its code, what it declared, and its users.
+/// A plugin in memory: its code, its declarations, and its users.
 #pragma once
 
 #include <atomic>
@@ -62,7 +62,7 @@ class Library {
   void use_again() { retired_.store(false, std::memory_order_release); }
   [[nodiscard]] bool retired() const { return retired_.load(std::memory_order_acquire); }
 
-  /// Drops this reference and says whether the code is still mapped. Code whose threads still run
+  /// Drops this reference and returns whether the code is unmapped. Code whose threads still run
   /// stays mapped for the life of the process. Null: nothing was mapped. [factory]
   static Unmapped release(std::shared_ptr<Library> library);
 

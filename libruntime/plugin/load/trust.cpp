@@ -32,7 +32,7 @@ std::string own_file() {
 }
 
 bool others_may_write(mode_t mode, mode_t who) {
-  if (S_ISLNK(mode)) return false;  // nobody writes a link, its mode says nothing
+  if (S_ISLNK(mode)) return false;  // a link is never written to, so its mode has no meaning
   const bool sticky_directory = S_ISDIR(mode) && (mode & S_ISVTX) != 0;
   return (mode & who) != 0 && !sticky_directory;
 }

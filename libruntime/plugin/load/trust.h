@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The users whose files may become code of this process, or decide what it starts and who reaches
-/// it.
+/// The users whose files may become code of this process, or decide which programs it starts and
+/// which users reach it.
 #pragma once
 
 #include <sys/stat.h>

@@ -30,14 +30,15 @@ class GuardedOutputs {
  public:
   static GuardedOutputs& of_process();
 
-  /// In place of the order that this owner had. Waits for the answer of the guardian, or until one
-  /// was looked for, 2 s at most. Refused when it cannot be an order, and under `require` when no
-  /// guardian has it then. [any]
+  /// Holds the order in place of the one that this owner had. Waits for the answer of the guardian,
+  /// or until one was looked for, 2 s at most. Refused when it cannot be an order, and under
+  /// `require` when no guardian has it then. [any]
   Status hold(const void* owner, const std::string& name, int descriptor, const SafeOrder& order);
-  /// When it returns, nothing is sent to that descriptor any more, or the guardian did not answer
-  /// within a second. Without an order nothing happens. [any]
+  /// Drops the order of this owner, if it has one. When it returns, nothing is sent to that
+  /// descriptor any more, or the guardian did not answer within a second. [any]
   void drop(const void* owner);
-  /// Has all orders sent: an output that was made safe may have been live since. [any] Never waits.
+  /// Lets the guardian send all orders again: an output that was made safe may have been live
+  /// since. [any] Never waits.
   void send_again();
   /// The names of those that a guardian holds, or would if there were one. [any]
   [[nodiscard]] std::vector<std::string> names() const;
@@ -45,7 +46,7 @@ class GuardedOutputs {
   // --- Of the thread that has the connection (guardian_link.h).
   /// From now on orders are kept; `ring` is called for the first one of them. [any]
   void expect(GuardianUse use, std::function<void()> ring);
-  /// There is no order, or a guardian was found or not.
+  /// The socket of the guardian that was found; -1: there is none.
   void attach(int socket);
   void detach();
   void take(const guardian::Answer& answer);
@@ -59,7 +60,7 @@ class GuardedOutputs {
     std::uint32_t slot = 0;
     std::uint32_t number = 0;  // of the request that hands it over
     bool answered = false;     // by the present guardian
-    std::string refused;       // what it said
+    std::string refused;       // the refusal of the guardian; empty: none
   };
   [[nodiscard]] Result<Held> made(const void* owner, const std::string& name, int descriptor,
                                   const SafeOrder& order) const MAUVE_REQUIRES(mutex_);

@@ -22,7 +22,8 @@ namespace mauve::rt {
 struct GuardianPlan {
   GuardianUse use = GuardianUse::prefer;
   std::string socket;  ///< one that serves here, as a service of its own
-  /// Else this program is started, with the number of a descriptor as its last word. Empty: none.
+  /// Else this program is started, with the number of a descriptor as its last argument. Empty:
+  /// none.
   std::vector<std::string> command;
   Duration silence = 60ms;  ///< so long without a beat is an end
 };

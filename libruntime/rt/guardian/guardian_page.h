@@ -13,10 +13,10 @@ namespace mauve::rt {
 /// From one beat to the next.
 inline constexpr Duration kBeatPeriod{10'000'000};
 
-/// A guardian may listen. [any]
+/// Whether a guardian may listen. [any]
 [[nodiscard]] bool beats_are_heard();
-/// One addition. Only while all components are served, by a thread that no load of the machine can
-/// hold up: the guardian takes 60 ms without a beat for an end. [rt]
+/// Adds one beat. Call it only while all components are served, on a thread that no load of the
+/// machine can hold up. The guardian takes 60 ms without a beat for an end. [rt]
 void beat();
 
 namespace guardian {
@@ -25,10 +25,10 @@ namespace guardian {
 /// because beats may come at any time.
 class OwnPage {
  public:
-  /// The calling thread becomes the owner: when it ends in whatever way, the kernel marks the page
+  /// The calling thread becomes the owner: when it ends in any way, the kernel marks the page
   /// before any other part of the process is removed (robust futexes, set_robust_list(2)).
   Status open();
-  /// That thread's last step: its end means nothing any more.
+  /// The last step of that thread: its end is no alarm any more.
   void let_go();
   [[nodiscard]] int file() const { return file_.get(); }
   [[nodiscard]] pid_t owner() const { return owner_; }

@@ -45,7 +45,7 @@ struct Order {
   std::uint32_t size = 0;         ///< of these, 1 to kMostBytes
   std::uint32_t times = 1;        ///< sent so often, 1 to 10
   std::uint32_t apart_us = 0;     ///< from one time to the next; all of them within kMostTimeMs
-  std::uint32_t drop_unsent = 0;  ///< 1: of a terminal, drops first what waits to be sent
+  std::uint32_t drop_unsent = 0;  ///< 1: of a terminal, first drops unsent bytes
 };
 
 enum class Kind : std::uint32_t {

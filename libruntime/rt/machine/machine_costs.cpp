@@ -78,7 +78,7 @@ Duration holes_until(Instant end) {
   return sum;
 }
 
-/// A timer that nobody waits for expires on this CPU.
+/// The time of a timer interrupt: timers for which no thread waits expire on this CPU.
 Duration measure_interrupt() {
   const int timer = timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC);
   if (timer < 0) return Duration{0};

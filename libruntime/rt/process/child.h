@@ -64,7 +64,7 @@ class ChildRunner {
                                     int errors);
   [[nodiscard]] ChildEnd wait(pid_t child, Duration within);
 
-  Mutex mutex_;  // of what follows
+  Mutex mutex_;  // of the members below
   bool cancelled_ MAUVE_GUARDED_BY(mutex_) = false;
   pid_t child_ MAUVE_GUARDED_BY(mutex_) = 0;  // not reaped yet; 0: none
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Why the system refuses SCHED_FIFO, and what helps.
+/// The reason why the system refuses SCHED_FIFO, and the remedy.
 #pragma once
 
 #include <cstdint>

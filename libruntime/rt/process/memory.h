@@ -7,7 +7,7 @@
 namespace mauve::rt {
 
 /// Locks all present and future memory and stops malloc from trimming. When only part of it is
-/// permitted nothing is locked and the error says what is missing. Once per process.
+/// permitted nothing is locked, and the error names the missing permission. Once per process.
 Status lock_memory();
 
 }  // namespace mauve::rt

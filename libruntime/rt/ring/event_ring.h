@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// EventRing: the events that a real-time thread reports to the [log] thread. Wait-free, never
-/// blocks; a full ring counts what it loses.
+/// blocks; a full ring counts the events that it loses.
 #pragma once
 
 #include <array>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// TraceRing: the last records of one thread. Its writer never waits and never looks at readers;
-/// the oldest records are overwritten. A reader copies first, then drops what may have been
-/// overwritten meanwhile, and counts it.
+/// the oldest records are overwritten. A reader copies records first, then drops those that may
+/// have been overwritten meanwhile, and counts them.
 #pragma once
 
 #include <algorithm>
@@ -33,14 +33,14 @@ class TraceRing {
  public:
   static constexpr std::size_t kCapacity = 1024;
 
-  /// `simulated`: where the time comes from when it is not that of the machine.
+  /// `simulated`: the clock of a simulation; null: the time is that of the machine.
   explicit TraceRing(const Clock* simulated = nullptr) : simulated_(simulated) {}
 
   /// [rt]
   [[nodiscard]] Instant now() const {
     return simulated_ == nullptr ? fast_now() : simulated_->now();
   }
-  /// A reading of the machine's clock that is at hand, unless the time here is another; 0: none is.
+  /// The same, from a reading of the machine's clock that the caller has already; 0: it has none.
   [[nodiscard]] Instant now(Instant is_direct) const {
     return simulated_ == nullptr && is_direct != 0 ? is_direct : now();
   }
@@ -69,7 +69,7 @@ class TraceRing {
     touch(&slots_[head_.load(std::memory_order_relaxed) % kCapacity], sizeof(Slot));
   }
 
-  /// [reader] Visits what is new, in order; `visit(lost)` first when records were overwritten.
+  /// [reader] Visits the new records in order; `visit(lost)` first when records were overwritten.
   template <typename Visit, typename Lost>
   void drain(Visit&& visit, Lost&& lost) {
     std::array<TraceEntry, kAtOnce> copied;

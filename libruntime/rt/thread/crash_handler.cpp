@@ -62,7 +62,7 @@ void CrashHandler::wait() {
 }
 
 bool run_crash_handler(const Fault& fault) {
-  if (i_speak()) return false;  // it failed in its last words
+  if (i_speak()) return false;  // the crash handler itself failed
   const Instant until = MonotonicClock().now() + kMayTake.count();
   if (!dying.exchange(true)) {
     death.fault = fault;

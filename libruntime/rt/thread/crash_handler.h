@@ -29,8 +29,8 @@ class CrashHandler {
   CrashHandler(const CrashHandler&) = delete;
   CrashHandler& operator=(const CrashHandler&) = delete;
 
-  /// `speak` gets 500 ms; it may not be able to have memory. It runs before all components, where
-  /// that is permitted.
+  /// `speak` has 500 ms, and may be unable to allocate memory. Its thread has priority over all
+  /// components, where that is permitted.
   Status start(std::function<void(const Death&)> speak);
 
  private:
@@ -43,9 +43,8 @@ class CrashHandler {
   Thread thread_;
 };
 
-/// Lets all of them speak, and waits for the end of it; not longer than 500 ms. A fault whose
-/// signal is 0 is an exit(). Async-signal-safe.
-/// True when there was somebody to speak, and all have spoken.
+/// Wakes all crash handlers and waits until they have ended, 500 ms at most. A fault whose signal
+/// is 0 is an exit(). Async-signal-safe. True when there was a handler, and all have ended.
 bool run_crash_handler(const Fault& fault);
 
 }  // namespace mauve::rt

@@ -13,14 +13,15 @@ namespace mauve::rt {
 namespace {
 
 constexpr long kSecond = 1'000'000'000;
-/// It may be in code that must not be interrupted: then the signal is sent again.
+/// The thread may run code that must not be interrupted, so the signal is sent again after this
+/// time.
 constexpr long kReportAgain = 1'000'000;
 
 }  // namespace
 
 Deadline::Deadline(Duration most) {
   if constexpr (!kGuardsFaults) return;
-  // The signal comes when the time is over, so what it looks for may stand there from now on.
+  // The signal comes when the time is over, so the words that its handler reads may be set now.
   watched_.busy_since.store(1);
   watched_.interrupt.store(1);
   sigevent event{};

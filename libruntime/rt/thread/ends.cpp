@@ -18,8 +18,8 @@
 namespace mauve::rt {
 namespace {
 
-/// Does it end a process by default? Not those of run_guarded.cpp, nor the two that nobody can
-/// handle.
+/// Does it end a process by default? Not those of run_guarded.cpp, nor the two that cannot be
+/// handled.
 bool is_end(int signal) {
   constexpr std::array<int, 17> kEnds{SIGHUP,    SIGINT,    SIGQUIT, SIGTRAP, SIGUSR1, SIGUSR2,
                                       SIGPIPE,   SIGALRM,   SIGTERM, SIGXCPU, SIGXFSZ, SIGSYS,
@@ -28,11 +28,10 @@ bool is_end(int signal) {
          (signal >= SIGRTMIN && signal <= SIGRTMAX);
 }
 
-std::atomic<pid_t> speaking_process{
-    0};  // the process that has something to say; a child of it has not
+std::atomic<pid_t> speaking_process{0};  // the process with crash handlers; a child of it has none
 std::atomic<int> unexpected{0};
 
-/// True in the process that had something to say.
+/// True in the process that had crash handlers.
 bool speak_as_owner(const Fault& fault) {
   if (speaking_process.load() != getpid()) return false;
   run_crash_handler(fault);

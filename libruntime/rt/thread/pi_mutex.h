@@ -17,7 +17,7 @@ class MAUVE_THREAD_ATTRIBUTE(capability("mutex")) PiMutex {
   PiMutex(const PiMutex&) = delete;
   PiMutex& operator=(const PiMutex&) = delete;
 
-  /// About 10 ns when nobody holds it; false when somebody does. [rt]
+  /// About 10 ns when no thread holds it; false when one does. [rt]
   [[nodiscard]] bool try_lock() MAUVE_THREAD_ATTRIBUTE(try_acquire_capability(true));
   /// False when `deadline` (monotonic) passed first. The holder runs at the waiter's priority. [rt]
   [[nodiscard]] bool lock_until(Instant deadline)

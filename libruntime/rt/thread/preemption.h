@@ -7,14 +7,15 @@
 
 namespace mauve::rt {
 
-/// From here on preempted() looks. [rt]
+/// Begins the stretch of code that preempted() judges. [rt]
 void watch_for_preemption();
 
-/// Since watch_for_preemption(), on this thread. Also true when there is no knowing: an old kernel
-/// or libc, or user code that uses restartable sequences itself. [rt]
+/// Was this thread preempted since watch_for_preemption()? Also true when that cannot be known: an
+/// old kernel or libc, or user code that uses restartable sequences itself. [rt]
 [[nodiscard]] bool preempted();
 
-/// The kernel looks at nothing of this library any more: before a thread leaves it. [rt]
+/// Ends the watch, before a thread leaves this library: the kernel reads none of its memory any
+/// more. [rt]
 void end_preemption_watch();
 
 /// Does this machine detect it? Without, preempted() is always true. The first call of the process

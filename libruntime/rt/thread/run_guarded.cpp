@@ -59,7 +59,7 @@ class Ranges {
   std::size_t count_ = 0;
 };
 
-/// The process whose bodies these are: a child that one forked has nothing to go on with.
+/// The process whose bodies these are. A child that a body forked has no caller to return to.
 std::atomic<pid_t> owner{0};
 
 struct Code {

@@ -35,22 +35,22 @@ struct Fault {
   int signal = 0;  ///< 0: none
   std::uintptr_t address = 0;
   bool interrupted = false;    ///< by the guard
-  bool sent = false;           ///< by somebody's kill(), not by an instruction
+  bool sent = false;           ///< by kill(), not by an instruction
   const char* call = nullptr;  ///< it called this function, which ends a thread or the process
-  int status = 0;              ///< what it gave to exit()
+  int status = 0;              ///< the argument of exit()
 
   [[nodiscard]] bool happened() const { return signal != 0 || call != nullptr; }
 };
 
-/// "SIGSEGV at address 0x10" or "exit(3)", cut to the room there is. Async-signal-safe enough for a
-/// last word.
+/// "SIGSEGV at address 0x10" or "exit(3)", cut to the room there is. Async-signal-safe enough for
+/// the crash handler.
 void describe(const Fault& fault, char* text, std::size_t room);
 
 /// The view of a guard on a thread that runs bodies.
 struct Watched {
   std::atomic<Instant> busy_since{0};     ///< when the body began, never the same twice; 0: idle
   std::atomic<Instant> interrupt{0};      ///< the body that began then shall not go on
-  std::atomic<bool> keeps_thread{false};  ///< the guard never gives the thread up
+  std::atomic<bool> keeps_thread{false};  ///< the guard never abandons the thread
 };
 
 /// Of a body that no guard looks at.

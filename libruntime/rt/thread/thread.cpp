@@ -83,8 +83,8 @@ Status Thread::start(const ThreadAttributes& attributes, std::function<void()> b
   pthread_attr_t attr;
   pthread_attr_init(&attr);
   pthread_attr_setstacksize(&attr, std::max(attributes.stack * kStackFactor, smallest + 4096));
-  // An ordinary thread says so only where it would inherit something else (Boost): a sandbox may
-  // refuse every call for a policy.
+  // An ordinary thread asks for its policy only where it would inherit another one (Boost): a
+  // sandbox may refuse every call for a policy.
   if (attributes.priority > 0 || caller_policy() != SCHED_OTHER) {
     sched_param parameter{};
     parameter.sched_priority = attributes.priority;
@@ -217,7 +217,7 @@ Boost::Boost(int priority) {
   sched_param before{};
   int policy = SCHED_OTHER;
   pthread_getschedparam(pthread_self(), &policy, &before);
-  if (policy != SCHED_OTHER) return;  // a caller that is real-time already keeps what it has
+  if (policy != SCHED_OTHER) return;  // a real-time caller keeps its priority
   sched_param parameter{};
   parameter.sched_priority = priority;
   raised_ = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter) == 0;

@@ -31,7 +31,7 @@ class Thread {
   Thread(const Thread&) = delete;
   Thread& operator=(const Thread&) = delete;
 
-  /// Starts `body`. Errors say which privilege is missing.
+  /// Starts `body`. Errors name the missing privilege.
   Status start(const ThreadAttributes& attributes, std::function<void()> body);
   [[nodiscard]] bool running() const { return running_ && !finished_.load(); }
   /// Waits for the end of the body.

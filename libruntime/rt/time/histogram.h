@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Histogram of times in constant memory, written by one thread, read by anyone meanwhile.
+/// Histogram of times in constant memory, written by one thread, read by any thread meanwhile.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@ class HistogramOf {
  public:
   static constexpr std::size_t kParts = 16;
   static constexpr unsigned kFirstOctave = 6;
-  static constexpr unsigned kEnd = 34;  ///< what is longer is in the last bucket
+  static constexpr unsigned kEnd = 34;  ///< longer times are in the last bucket
   static constexpr std::size_t kBuckets = kParts * (kEnd - kFirstOctave + 1);
 
   /// Nanoseconds; less than zero counts as zero. [rt]
@@ -33,7 +33,7 @@ class HistogramOf {
     if (time < load(min_)) store(min_, time);
     if (time > load(max_)) store(max_, time);
   }
-  /// While nobody writes.
+  /// While no thread writes.
   void clear() {
     for (auto& bucket : buckets_) store(bucket, Count{0});
     store(count_, std::uint64_t{0});
@@ -41,7 +41,7 @@ class HistogramOf {
     store(min_, kNone);
     store(max_, std::uint64_t{0});
   }
-  /// Numbers may be some samples apart while somebody writes. [any]
+  /// Numbers may be some samples apart while the thread writes. [any]
   [[nodiscard]] Distribution look() const {
     Distribution seen;
     seen.count = load(count_);

@@ -27,7 +27,7 @@ class Tally {
     }
   }
   void add(std::int64_t value) { add({1, Duration{value}, Duration{value}}); }
-  /// While nobody writes.
+  /// While no thread writes.
   void clear() {
     count_.store(0, std::memory_order_relaxed);
     sum_.store(0, std::memory_order_relaxed);
@@ -58,7 +58,7 @@ struct StateTimes {
 /// Of all jobs since `since`.
 struct JobTimes {
   explicit JobTimes(std::size_t state_count) : states(state_count) {}
-  /// While nobody writes.
+  /// While no thread writes.
   void clear();
 
   std::atomic<Instant> since{0};  ///< start of the first job; 0: none yet
@@ -80,7 +80,7 @@ class Measured {
  public:
   explicit Measured(std::size_t state_count);
 
-  /// Where to count from here on. [rt]
+  /// The block in which the writer counts from here on. [rt]
   JobTimes& here() {
     JobTimes* const shown = shown_.load(std::memory_order_acquire);
     if (shown != used_.load(std::memory_order_relaxed)) {

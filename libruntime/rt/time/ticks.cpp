@@ -89,7 +89,7 @@ void publish(const Sample& at, std::uint64_t rate) {
   newest.store(number, std::memory_order_release);
 }
 
-/// By the newest tie; 0: it does not say.
+/// The time by the newest tie; 0: that does not hold now.
 Instant tied_now() {
   const std::uint64_t number = newest.load(std::memory_order_acquire);
   const Tie& tie = ties[number % kTies];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Ticks: the monotonic clock, read from the counter of the processor in half the time. Somebody
-/// ties the counter to the clock now and then; a reader never waits for that.
+/// Ticks: the monotonic clock, read from the counter of the processor in half the time. A call of
+/// tie_ticks() ties the counter to the clock now and then; a reader never waits for that.
 #pragma once
 
 #include <mauve/time.h>
