@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// mauved --check: what is wrong with a file, and whether its deadlines can be met.
+/// mauved --check: the problems of a file, and whether its deadlines can be met.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -375,7 +375,7 @@ std::vector<std::string> Daemon::stop_components() {
 }
 
 /// The process ends right afterwards. The safe values come first: [control], the log or the disk
-/// may be what hangs, and no end that mauved itself decides leaves an output as it was.
+/// may hang, and no end that mauved itself decides leaves an output as it was.
 void Daemon::leave_by_force(const std::string& cause) {
   const bool safe = rt::run_crash_handler({.sent = true});
   log_.write(Event::daemon_hurried,

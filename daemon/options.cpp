@@ -235,7 +235,7 @@ std::vector<OptionText> option_texts() {
   declare(app, options);
   std::vector<OptionText> texts;
   for (const CLI::Option* option : app.get_options()) {
-    // CLI11 adds what it checks after a colon.
+    // CLI11 adds its check after a colon.
     const std::string type = option->get_type_name();
     const bool takes_value = option->get_items_expected_max() > 0;
     texts.push_back({option->get_name(false, true),

@@ -21,13 +21,13 @@ struct Options {
   Realtime realtime = Realtime::prefer;
   rt::GuardianUse guardian = rt::GuardianUse::prefer;
   Admission admission = Admission::warn;
-  MachineCosts machine = {};     ///< what admission assumes of the machine
-  Duration prepare_within{10s};  ///< what user code may take while a change is prepared
-  bool check = false;            ///< only say what is wrong with the file
+  MachineCosts machine = {};     ///< the costs that admission assumes
+  Duration prepare_within{10s};  ///< for user code while a change is prepared
+  bool check = false;            ///< only report the problems of the file
   bool judge = false;            ///< judge the question on standard input, for a mauved that runs
   std::vector<std::string> path_dirs;  ///< where requests may set paths to, too: path_rule.h
   std::string log_file;                ///< JSON lines; empty for none
-  std::string state_dir;               ///< what outlives a run; empty: nothing is kept
+  std::string state_dir;               ///< for data that outlives a run; empty: none is kept
   bool fresh = false;                  ///< start the file, also after a crash
   bool flight_recorder = true;         ///< traces always, and writes recordings by itself
   logging::Level log_level = logging::Level::info;
@@ -52,7 +52,7 @@ struct OptionText {
   std::string name;       ///< "--socket", or that of an argument
   std::string value;      ///< "PATH"; empty: takes none
   std::string text;       ///< one sentence
-  std::string otherwise;  ///< the default; empty: said in the text
+  std::string otherwise;  ///< the default; empty: the text has it
 };
 [[nodiscard]] std::vector<OptionText> option_texts();
 

@@ -108,7 +108,8 @@ std::optional<std::chrono::steady_clock::time_point> WorkerThread::busy_since() 
   return busy_since_;
 }
 
-/// False: the end. No job: time to look at what is awaited.
+/// Takes the next job. False: the thread ends. No job: it is time to look at the awaited
+/// conditions.
 bool WorkerThread::take(Job& job) {
   MutexLock lock(mutex_);
   const auto ready = [this]() MAUVE_REQUIRES(mutex_) {

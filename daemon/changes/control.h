@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The threads behind the socket: [control] owns the model, [factory] does what takes long.
+/// The threads behind the socket: [control] owns the model, [factory] does the work that takes
+/// long.
 #pragma once
 
 #include <chrono>
@@ -31,7 +32,7 @@ class WorkerThread {
   WorkerThread& operator=(const WorkerThread&) = delete;
 
   void start();
-  /// Runs what is queued, then ends. Later jobs are dropped.
+  /// Runs the queued jobs, then ends. Later jobs are dropped.
   void stop();
   /// [any] Drops all queued jobs: the job under way is the last one.
   void halt();
@@ -42,8 +43,8 @@ class WorkerThread {
   [[nodiscard]] bool is_this_thread() const;
   /// [any] When the job under way began; nothing: no job is under way.
   [[nodiscard]] std::optional<std::chrono::steady_clock::time_point> busy_since();
-  /// [this thread] Runs `then` once `over` says yes. It is asked between other jobs, soon at first,
-  /// at least each millisecond later. Dropped when the thread ends.
+  /// [this thread] Runs `then` once `over` returns true. It is called between other jobs, soon at
+  /// first, at least each millisecond later. Dropped when the thread ends.
   void await(std::function<bool()> over, Job then);
 
  private:
@@ -70,7 +71,7 @@ class WorkerThread {
 };
 
 /// Orders requests: reads run at once, changes one at a time, urgent things before all others;
-/// where several wait, a FairQueue says which one is next.
+/// where several wait, a FairQueue chooses the next one.
 ///
 /// A change may take long: it sends its slow part to [factory] and gives [control] back meanwhile,
 /// so that reads and `component.stop` are served. The next change begins when it is done.
@@ -88,8 +89,8 @@ class Control {
   ~Control();
 
   void start();
-  /// Lets the work under way end and drops the changes that wait; what they hold (a Reply) is
-  /// destroyed. [main]
+  /// Lets the work under way end and drops the changes that wait; objects that they hold (a Reply)
+  /// are destroyed. [main]
   void stop();
 
   /// [control] The job that calls this is the last one on [control]: no change can follow.
@@ -120,7 +121,7 @@ class Control {
     return factory_.abandoned_threads();
   }
   [[nodiscard]] std::chrono::nanoseconds prepare_within() const { return prepare_within_; }
-  /// [control] Runs `then` when `over` says yes; meanwhile [control] serves others.
+  /// [control] Runs `then` when `over` returns true; meanwhile [control] serves others.
   void await(std::function<bool()> over, Job then) {
     control_.await(std::move(over), std::move(then));
   }

@@ -102,7 +102,7 @@ void Factory::run(const std::shared_ptr<Shared>& shared, const std::shared_ptr<T
       self->since = SteadyClock::now();
     }
     work();
-    work = nullptr;  // what it holds is destroyed here, before [control] goes on
+    work = nullptr;  // its objects are destroyed here, before [control] goes on
     Job then;
     OnAbandoned unused;
     {

@@ -30,10 +30,10 @@ struct AbandonedThread {
 class Factory {
  public:
   using Job = std::function<void()>;
-  /// Instead of what follows the work; its argument is the hook.
+  /// Called in place of the job that follows the work; its argument is the hook.
   using OnAbandoned = std::function<void(const std::string& hook)>;
 
-  /// `go_on` takes what follows a piece of work to [control].
+  /// `go_on` takes the job that follows a piece of work to [control].
   explicit Factory(std::function<void(Job)> go_on);
   ~Factory();
   Factory(const Factory&) = delete;

@@ -47,7 +47,7 @@ class StopOrder {
   const std::function<bool()> applies_;
   const std::function<void(const DirectStop&)> report_;
 
-  mutable Mutex mutex_;  ///< guards what follows
+  mutable Mutex mutex_;  ///< guards the members below
   bool begun_ MAUVE_GUARDED_BY(mutex_) = false;
   bool over_ MAUVE_GUARDED_BY(mutex_) = false;
   std::unique_ptr<DirectStop> direct_ MAUVE_GUARDED_BY(mutex_);
@@ -82,7 +82,7 @@ class Stopper {
 
   logging::Log& log_;
   Deployer* deployer_ = nullptr;
-  Mutex mutex_;  ///< guards the next two; nobody holds it long
+  Mutex mutex_;  ///< guards the next two; no thread holds it long
   std::vector<std::shared_ptr<StopOrder>> new_ones_ MAUVE_GUARDED_BY(mutex_);
   bool stopping_ MAUVE_GUARDED_BY(mutex_) = false;
   ConditionVariable wake_;

@@ -19,7 +19,8 @@ bool is_tried(const Running& running) {
   return running.deployer.on_probation() || !running.places.empty();
 }
 
-/// [control] Saves what runs now, then says in the audit log what was asked and what became of it.
+/// [control] Saves the running system, then adds a line with the request and its outcome to the
+/// audit log.
 void keep(Running& running, const Call& call, std::optional<Confirmation> mark, Json line,
           std::function<void(bool saved)> then) {
   MAUVE_ON_THREAD(control);
@@ -125,7 +126,7 @@ void answer_fault(Running& running, const Call& call, Fault fault) {
   if (call.method->mutation()) {
     auto line = audit_refused(running, call, fault);
     if (line && running.store != nullptr && fault.state != "unchanged") {
-      // Nobody shall start with a mixture of old and new.
+      // No start may use a mixture of old and new.
       const auto mark =
           fault.state == "partly" ? std::optional(Confirmation::unconfirmed) : call.mark;
       keep(running, call, mark, *std::move(line), {});

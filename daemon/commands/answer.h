@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Answering requests; what was changed is saved and audited before.
+/// Answering requests; changes are saved and audited before.
 #pragma once
 
 #include <optional>
@@ -11,12 +11,12 @@ namespace mauve::daemon {
 
 /// [any] The answer, or the refusal with the generation in force. `state` is the state of the
 /// system after a refusal. A mutation leaves its audit line in the log and in the state directory.
-/// The answer of an applied mutation comes from [control] only, and says whether the change was
+/// The answer of an applied mutation comes from [control] only, and contains whether the change was
 /// saved too.
 void answer(Running& running, const Call& call, Result<Json> result,
             const std::string& state = "unchanged");
 
-/// [any] A refusal that says more than an Error can. A mutation leaves its audit line.
+/// [any] A refusal with more details than an Error has. A mutation leaves its audit line.
 void answer_fault(Running& running, const Call& call, Fault fault);
 
 /// [any] Refuses the text of a request: `subject` ("the file has") and the number of its errors.

@@ -109,7 +109,7 @@ CallPtr call_by_itself(const Running& running, std::string reason) {
   call->caller.peer.uid = geteuid();
   call->caller.peer.pid = getpid();
   call->params = {{"reason", std::move(reason)}};
-  call->reply = [](const server::Outcome& /*nobody waits*/) {};
+  call->reply = [](const server::Outcome& /*no client waits*/) {};
   call->received = std::chrono::steady_clock::now();
   call->before = running.generation;
   return call;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The audit line of a mutation: who asked for what, and what became of it. It goes to the log as
-/// an event; what is returned is the same for the audit log of the state directory.
+/// The audit line of a mutation: the user, the request and its outcome. The line goes to the log as
+/// an event, and is returned for the audit log of the state directory.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace mauve::daemon {
 
-/// The method of what mauved changes by itself: rules, requests of components, a stop after a
+/// The method of changes that mauved makes by itself: rules, requests of components, a stop after a
 /// standstill.
 inline constexpr std::string_view kSupervision = "supervision";
 

@@ -51,7 +51,8 @@ using protocol::Fault;
 using protocol::Json;
 
 /// The lock that an administrator has set. `params` holds the values of properties, `topology` all
-/// but these, starts and stops, `all` all but stops. None holds what mauved does after a failure.
+/// but these, starts and stops, `all` all but stops. None holds the reactions of mauved to a
+/// failure.
 enum class Lock : std::uint8_t { none, params, topology, all };
 
 /// The author of the generation in force, where that is known.
@@ -79,7 +80,8 @@ struct Started {
 };
 
 /// The running system as commands see it; the Daemon that owns it outlives every command. The model
-/// (architecture, deployer, catalog) is used on [control] only, save where they say [factory].
+/// (architecture, deployer, catalog) is used on [control] only, save where a comment names
+/// [factory].
 struct Running {
   Architecture& architecture;
   Deployer& deployer;
@@ -112,16 +114,16 @@ struct Running {
   Recorder* recorder = nullptr;
   Lock lock = Lock::none;                   ///< [control], see lock.h
   Author author = {};                       ///< [control]
-  Realtime realtime = Realtime::prefer;     ///< what mauved was started with
-  std::vector<std::string> path_dirs = {};  ///< what path_rule() allows besides
+  Realtime realtime = Realtime::prefer;     ///< as mauved was started
+  std::vector<std::string> path_dirs = {};  ///< further directories that path_rule() allows
   std::vector<DecidingPath> deciding = {};  ///< see deciding_paths.h
   DiskWatch disk_watch = {};                ///< [control]
   Failures failures = {};                   ///< [control] see commands/look/notice.h
   server::Refusals refusals = {};           ///< [any]
   Counts counts = {};                       ///< [any]
   Deadlines deadlines = {};                 ///< [any]
-  /// [any] Judges a file of this user beside what runs, then calls the function on [control]: see
-  /// Judge::ask().
+  /// [any] Judges a file of this user beside the running system, then calls the function on
+  /// [control]: see Judge::ask().
   std::function<void(const Asker&, const Question&, std::function<void(Result<Json>)>)> judge = {};
   /// [any] The same for the change under way: see commands/change/trial.h.
   std::function<void(const Question&, std::function<void(Result<Json>)>)> try_out = {};

@@ -29,7 +29,7 @@ using arch::Target;
   return arch::find_target(running.architecture, address);
 }
 
-/// "guidance/gap" -> "guidance"; nothing of what the program itself brings.
+/// "guidance/gap" -> "guidance"; empty for a type of the program itself.
 [[nodiscard]] inline std::string plugin_of(const std::string& type) {
   return type.substr(0, type.find('/') == std::string::npos ? 0 : type.find('/'));
 }

@@ -43,7 +43,7 @@ bool lies_in(const fs::path& path, const std::string& directory) {
   return !inside.empty() && inside != "." && *inside.begin() != "..";
 }
 
-/// Below /dev, but everybody may put links there, and exchange a file for one after this look.
+/// Below /dev, but every user may put links there, and exchange a file for one after this look.
 bool is_shared(const fs::path& path) {
   return lies_in(path, "/dev/shm") || lies_in(path, "/dev/mqueue");
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Between the socket and the commands: who may do what, and on which thread it runs.
+/// Between the socket and the commands: the users that may call each method, and the thread that
+/// runs it.
 #pragma once
 
 #include "commands/command.h"

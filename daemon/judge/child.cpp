@@ -24,7 +24,7 @@ namespace mauve::daemon {
 namespace {
 
 constexpr std::size_t kLongestAnswer = std::size_t{8} << 20;
-constexpr unsigned kHandlerMayTake = 1;  // seconds, when what it needs is locked
+constexpr unsigned kHandlerMayTake = 1;  // seconds, when memory that it needs is locked
 constexpr std::array kEnds = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTERM, SIGXCPU, SIGALRM};
 
 /// Its standard error, which a plugin does not get.

@@ -19,10 +19,10 @@
 
 namespace mauve::daemon {
 
-/// A file that a client sends names plugins, elements and values. To say whether it is good all of
-/// it must be made, so constructors, converters and checks of plugins run, with any size. Nothing
-/// of that happens in mauved itself: it starts itself anew as `mauved --judge`, which has limits on
-/// memory and time, no privileges, and only its answer to give.
+/// A file that a client sends names plugins, elements and values. To judge whether it is good, all
+/// of it must be made, so constructors, converters and checks of plugins run, with any size.
+/// Nothing of that happens in mauved itself: it starts itself anew as `mauved --judge`, which has
+/// limits on memory and time, no privileges, and only its answer to give.
 class Judge {
  public:
   using Then = std::function<void(Result<Json>)>;
@@ -34,7 +34,7 @@ class Judge {
 
   /// `command`: a mauved with its options, but for `--judge`. [main]
   void start(std::vector<std::string> command, Duration within);
-  /// Kills the process that judges now; what waits is dropped. [main]
+  /// Kills the process that judges now; questions that wait are dropped. [main]
   void stop();
 
   /// [any] Judges, then calls `then` on [control]: with judge()'s result, or with the reason why
@@ -64,8 +64,8 @@ class Judge {
 /// Judges once, by this command: for a daemon that has no threads yet. [main]
 [[nodiscard]] Result<Json> judge_apart(const Options& options, const Question& question);
 
-/// Whether code of a plugin ended the process, or was ended with it; any other refusal says nothing
-/// against the file. [any]
+/// Whether code of a plugin ended the process, or was ended with it; any other refusal is no
+/// verdict on the file. [any]
 [[nodiscard]] bool died(const Error& verdict);
 
 /// The answer of the process that has ended, or the reason why it gave none. [any]

@@ -18,7 +18,7 @@
 
 namespace mauve::logging {
 
-/// Which records somebody wants.
+/// The records that a reader wants.
 struct Filter {
   Level level = Level::debug;  ///< this one and worse
   std::string component;       ///< empty: all

@@ -21,7 +21,7 @@ class Levels {
   explicit Levels(Level usual) : usual_(usual) {}
 
   /// Of a component, or (empty) of all that have none of their own; nothing: the usual one again.
-  /// After `until` what was set for good before is in force again.
+  /// After `until` the level that was set for good before is in force again.
   void set(const std::string& component, std::optional<Level> level,
            std::optional<Time> until = {});
 

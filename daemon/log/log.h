@@ -27,7 +27,7 @@ class Log {
   using Source = std::function<void(const std::function<void(Record)>& take)>;
 
   explicit Log(Level level, std::size_t history = kHistory);
-  /// Writes what is there, then ends the thread.
+  /// Writes the records that are left, then ends the thread.
   ~Log();
   Log(const Log&) = delete;
   Log& operator=(const Log&) = delete;
@@ -73,7 +73,7 @@ class Log {
   Mutex source_mutex_;
   Source source_;
 
-  Mutex mutex_;  ///< guards what follows
+  Mutex mutex_;  ///< guards the members below
   ConditionVariable wake_;
   ConditionVariable done_;
   std::vector<Record> queue_ MAUVE_GUARDED_BY(mutex_);

@@ -35,7 +35,8 @@ spdlog::level::level_enum spdlog_level(Level level) {
   return spdlog::level::err;
 }
 
-/// A spdlog logger as a Sink. spdlog catches what its sinks throw and calls the error handler.
+/// A spdlog logger as a Sink. spdlog catches the exceptions of its sinks and calls the error
+/// handler.
 class SpdlogSink : public Sink {
  public:
   SpdlogSink(spdlog::sink_ptr sink, const std::string& pattern, std::string target)

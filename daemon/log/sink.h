@@ -11,7 +11,7 @@
 
 namespace mauve::logging {
 
-/// One destination. Used by the [log] thread alone; may block, since nobody waits for it.
+/// One destination. Used by the [log] thread alone; may block, since no other thread waits for it.
 class Sink {
  public:
   virtual ~Sink() = default;

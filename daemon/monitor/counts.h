@@ -28,7 +28,7 @@ class Counts {
       ++refusals_[{std::string(method), std::string(error)}];
     }
   }
-  /// [control] What the system did by itself.
+  /// [control] An action of the system by itself.
   void note(const Outcome& outcome) { ++outcomes_[outcome.kind][outcome.component]; }
 
   [[nodiscard]] OfMethods commands() const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Tells the operator while the disk of the state directory does not answer.
+/// Informs the operator while the disk of the state directory does not answer.
 #pragma once
 
 #include <chrono>
@@ -11,8 +11,8 @@
 
 namespace mauve::daemon {
 
-/// A write that waits for the disk delays the answers of changes, and nothing says so: the log
-/// reports it while it waits, and its end. [control]
+/// A write that waits for the disk silently delays the answers of changes. So the log reports the
+/// wait, and its end. [control]
 class DiskWatch {
  public:
   using Instant = std::chrono::steady_clock::time_point;

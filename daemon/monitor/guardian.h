@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The guardian as mauved sees it: a process that puts outputs into their safe state when mauved
-/// ends without having said so, or falls silent (guardian/README.md).
+/// ends without notice, or falls silent (guardian/README.md).
 #pragma once
 
 #include "commands/command.h"
@@ -13,7 +13,8 @@ class Guardian {
  public:
   explicit Guardian(logging::Log& log) : log_(log) {}
 
-  /// Before elements are made: their configure hooks say which outputs are to be guarded. [main]
+  /// Before elements are made: their configure hooks name the outputs that are to be guarded.
+  /// [main]
   Status start(const Options& options);
   /// From now on a silence that the guardian took for an end stops all components. [main]
   void serve(Running& running);

@@ -212,7 +212,7 @@ std::string HealthMonitor::changes_back(const Outcome& outcome) const {
   return changes_of({{"lines", running_->rollback_lines.back_from(outcome.changes)}});
 }
 
-/// A generation that the system made by itself is saved like others; nobody waits for it.
+/// A generation that the system made by itself is saved like others; no client waits for it.
 void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
   auto& store = *running_->store;
   const auto began = outcome.began;
@@ -254,7 +254,7 @@ void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
     store.keep(std::move(about), described(*running_), std::move(line), {});
   } else {
     // A newer change came before this look: the architecture that runs is that of the newer
-    // generation, which its own answer saves, and nobody may take it for this one.
+    // generation, which its own answer saves, and must not be saved as this one.
     store.audit(line);
   }
   if (outcome.kind != Outcome::Kind::rolled_back) {

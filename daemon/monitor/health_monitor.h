@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Looks after what the running system does by itself: probations that end, rollbacks, cores that
-/// took over from failing ones; keeps such cores in readiness.
+/// Looks after the actions of the running system by itself: ends of probations, rollbacks, cores
+/// that took over from failing ones. Keeps such cores in readiness.
 #pragma once
 
 #include <atomic>

@@ -30,7 +30,7 @@ std::string said(const Fault& fault) {
          (fault.hint.empty() ? "" : " (" + fault.hint + ")");
 }
 
-/// Locked, busy, somebody else was quicker: the same may be done a moment later.
+/// Locked, busy, or another change was quicker: the same may succeed a moment later.
 bool is_a_matter_of_time(const Fault& fault) {
   return fault.name == to_string(Errc::conflict) || fault.name == to_string(Errc::timed_out);
 }
@@ -58,7 +58,7 @@ std::string consequence(const rules::Engine& engine, const rules::SightChange& c
   return text;
 }
 
-/// Else there is nothing to prove: a late job shall not bring back what a rule took away.
+/// Else there is nothing to prove: a late job must not undo a removal by a rule.
 bool brings_something_new(const rules::Steps& steps) {
   return std::ranges::any_of(steps, [](const rules::Step& step) {
     return step.action == rules::Action::swap || step.action == rules::Action::set;
@@ -208,7 +208,8 @@ void Supervisor::request(std::string component, std::string transaction) {
   });
 }
 
-/// [control] The component is real-time code of a plugin: it may do what the file permits.
+/// [control] The component is real-time code of a plugin: it may request the transactions that the
+/// file permits.
 void Supervisor::serve(const std::string& component, const std::string& transaction) {
   MAUVE_ON_THREAD(control);
   Order order{transaction, "requested by " + component, component, {}, {}, {}};

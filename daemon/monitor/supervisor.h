@@ -30,8 +30,8 @@ class Supervisor {
   /// The rules of the architecture file and the permissions of components. Rules begin anew, armed.
   /// `generation`: of the change that brings it. [main] before start(), then [control]
   void adopt(rules::Supervision supervision, std::uint64_t generation = 0);
-  /// The changes that made these generations were rolled back: what they replaced is in force
-  /// again, if they replaced anything, with its rules armed. [control]
+  /// The changes that made these generations were rolled back: the supervision that they replaced,
+  /// if any, is in force again, with its rules armed. [control]
   void roll_back(const std::vector<std::uint64_t>& generations);
   /// Begins to look, as soon as [control] runs. [main]
   void start(Running& running);
@@ -46,7 +46,7 @@ class Supervisor {
   [[nodiscard]] std::uint64_t adoptions() const { return adoptions_; }
   /// How many rules the lock keeps from firing. [control]
   [[nodiscard]] std::size_t held() const;
-  /// The values that rules look at and that are unknown, with what this means. [control]
+  /// The unknown values that rules look at, with the consequences. [control]
   [[nodiscard]] Json lost_values() const;
   /// One row a rule, of one rule only when it is named. [control]
   [[nodiscard]] Result<Json> list(const std::string& rule) const;
@@ -78,7 +78,7 @@ class Supervisor {
 
   Control& control_;
   rules::Supervision supervision_;
-  rules::Supervision before_;     // what the newest adoption replaced, [control]
+  rules::Supervision before_;     // replaced by the newest adoption, [control]
   std::uint64_t adopted_in_ = 0;  // the generation of that, [control]
   rules::Engine engine_;          // [control]
   std::uint64_t adoptions_ = 0;   // [control]
@@ -86,7 +86,7 @@ class Supervisor {
   Running* running_ = nullptr;
 
   std::atomic<bool> look_pending_{false};
-  Mutex mutex_;  // guards what follows
+  Mutex mutex_;  // guards the members below
   ConditionVariable wake_;
   bool stopping_ MAUVE_GUARDED_BY(mutex_) = false;
   std::thread thread_;

@@ -14,7 +14,7 @@ namespace mauve::daemon {
 namespace {
 
 constexpr std::chrono::milliseconds kPeriod{10};
-constexpr unsigned kLooks = 10;  // periods between two looks whether what is tapped is still there
+constexpr unsigned kLooks = 10;  // periods between two looks whether tapped services are there
 /// A resource that was held for so long that it could not be tapped is left alone for a while.
 constexpr std::chrono::seconds kBusy{1};
 constexpr std::size_t kTapBytes = 4 * 1024 * 1024;
@@ -286,8 +286,8 @@ void Watches::poll() {
   poll_pending_ = false;
 }
 
-/// Also takes away the taps that nobody watches any more. One that [watch] reads just now stays
-/// until the next look. [control]
+/// Also takes away the taps without a subscriber. One that [watch] reads just now stays until the
+/// next look. [control]
 void Watches::leave_replaced() {
   std::list<Tapped> left;  // goes without mutex_, as in remove()
   {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Watches: clients who want to see every new value of some addresses, or every log record.
+/// Watches: clients that want to see every new value of some addresses, or every log record.
 #pragma once
 
 #include <chrono>
@@ -134,7 +134,7 @@ class Watches {
   ConditionVariable wake_;
   std::list<Tapped> tapped_ MAUVE_GUARDED_BY(mutex_);
   const Tapped* reading_ MAUVE_GUARDED_BY(mutex_) =
-      nullptr;  ///< [watch] reads it without mutex_; nobody else takes it away
+      nullptr;  ///< [watch] reads it without mutex_; no other thread takes it away
   bool has_polled_ MAUVE_GUARDED_BY(mutex_) = false;
   bool poll_pending_ MAUVE_GUARDED_BY(mutex_) = false;
   unsigned rounds_ MAUVE_GUARDED_BY(mutex_) = 0;

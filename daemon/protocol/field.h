@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The types of the table of methods: what a parameter, or a field of an answer, may hold.
+/// The types of the table of methods: the values that a parameter, or a field of an answer, may
+/// hold.
 #pragma once
 
 #include <cstdint>

@@ -11,8 +11,8 @@ namespace {
 
 std::string at_byte(std::size_t position) { return "byte " + std::to_string(position); }
 
-/// The part of the library's message that is about the text, without what it read: that may be
-/// long, and is the sender's own.
+/// The part of the library's message about the text, without the characters that it read: they may
+/// be many, and are the sender's own.
 std::string reason_of(std::string text) {
   if (const auto cut = text.find("; last read"); cut != std::string::npos) text.resize(cut);
   for (const std::string_view before : {"] ", "column ", ": "}) {

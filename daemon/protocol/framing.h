@@ -20,10 +20,11 @@ using Json = nlohmann::json;
 inline constexpr std::size_t kMaxLine = 1024 * 1024;
 /// Objects and arrays that may be open at once, the outermost counted.
 inline constexpr std::size_t kMaxDepth = 32;
-/// Values in one request: reading half a million of them takes 40 ms, in which nobody is served.
+/// Values in one request: reading half a million of them takes 40 ms, in which no client is served.
 inline constexpr std::size_t kMaxValues = 20'000;
 
-/// Cuts a stream of bytes into lines. Feed what arrived, then take lines until there is none.
+/// Cuts a stream of bytes into lines. Feed the bytes that arrived, then take lines until there is
+/// none.
 class LineFramer {
  public:
   explicit LineFramer(std::size_t limit = kMaxLine) : limit_(limit) {}
@@ -48,9 +49,9 @@ class LineFramer {
   bool overflown_ = false;
 };
 
-/// Strict JSON: refuses what RFC 8259 refuses, and nesting beyond kMaxDepth, duplicate keys, NaN,
-/// invalid UTF-8, anything behind the value, and more values than `most_values`. Error.at is "byte
-/// N", counted from 1.
+/// Strict JSON: refuses text that RFC 8259 refuses, and nesting beyond kMaxDepth, duplicate keys,
+/// NaN, invalid UTF-8, anything behind the value, and more values than `most_values`. Error.at is
+/// "byte N", counted from 1.
 [[nodiscard]] Result<Json> parse_json(std::string_view text,
                                       std::size_t most_values = std::string_view::npos);
 

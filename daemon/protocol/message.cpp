@@ -142,7 +142,7 @@ Fault fault_of(int code, std::string message, std::string where, std::string hin
     if (row.code != code) continue;
     fault.name = row.name;
     fault.exit = static_cast<int>(row.exit);
-    if (row.exit != Exit::usage) fault.id = row.name;  // the hint of a wrong use says it all
+    if (row.exit != Exit::usage) fault.id = row.name;  // the hint of a wrong use suffices
   }
   fault.message = std::move(message);
   fault.where = std::move(where);

@@ -40,13 +40,13 @@ enum class Exit : int {
   partly = 9,       ///< done partly: not all obeyed in time, see status
 };
 
-/// Everything that an error says on the wire: {"code","message","data":{...}}.
+/// All parts of an error on the wire: {"code","message","data":{...}}.
 struct Fault {
   int code = kInternal;
   std::string name = "internal";    ///< one word, stable: "abi_mismatch"
   std::string message;              ///< one sentence
   int exit = 1;                     ///< see Exit
-  std::string state = "unchanged";  ///< what the robot is in now
+  std::string state = "unchanged";  ///< of the robot now
   std::string where;                ///< address, or file:line:column
   std::string hint;
   std::string id = {};  ///< name of its entry for `mauvectl explain`, may be empty

@@ -14,7 +14,7 @@
 
 namespace mauve::protocol {
 
-/// Each role may do what the ones before it may.
+/// Each role has the rights of those before it.
 enum class Role : std::uint8_t {
   none,       ///< nothing: the connection is refused
   viewer,     ///< look
@@ -45,7 +45,7 @@ enum class Effect : std::uint8_t {
   answers,  ///< changes nothing; served out of band, also when all connection slots are in use
   records,  ///< begins or ends a recording; the components run on as they were
   changes,  ///< changes the running system, as far as the lock permits
-  adjusts,  ///< changes only what mauved counts, logs or locks; permitted under any lock
+  adjusts,  ///< changes only counts, logs or locks of mauved; permitted under any lock
   ends,     ///< ends a probation, also when all slots are in use; an undo is judged by its lines
   stops,    ///< stops components; permitted under any lock, out of band, never limited
 };

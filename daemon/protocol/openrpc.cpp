@@ -42,7 +42,7 @@ Json schema_of_kind(const Type& type) {
   return Json::object();
 }
 
-/// Description of what a parameter or a field means, with its unit.
+/// The meaning of a parameter or a field, with its unit.
 std::string description_of(const Field& field) {
   std::string text = sentence_of(field);
   if (!field.type.unit.empty()) text += " Unit: " + std::string(field.type.unit) + ".";
@@ -101,7 +101,7 @@ Json schema_of(const Type& type) {
 
 Json schema_of(const Field& field) {
   Json schema = schema_of(field.type);
-  // A reader may ignore what stands beside a reference.
+  // A reader may ignore keys beside a reference.
   if (schema.contains("$ref")) schema = {{"allOf", Json::array({std::move(schema)})}};
   schema["description"] = description_of(field);
   return schema;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Where daemon and client meet when nobody says otherwise.
+/// The socket at which daemon and client meet by default.
 #pragma once
 
 #include <string>

@@ -55,15 +55,15 @@ struct TraceHeader {
   std::int64_t from = 0;
   std::int64_t to = 0;
   std::string why;
-  std::uint64_t lost = 0;  ///< records that nobody collected in time
+  std::uint64_t lost = 0;  ///< records that were not collected in time
   bool probed = true;  ///< a probe measured all the time when the host, or foreign work, held it up
   std::vector<TraceComponent> components;
   std::vector<std::string> resources;
 };
 
 [[nodiscard]] Json to_json(const TraceHeader& header);
-/// [time, thread, event, name, a, b]; what is nothing at the end is left out. The record's own
-/// numbers of names are not looked at.
+/// [time, thread, event, name, a, b]; empty items at the end are left out. The record's own numbers
+/// of names are not looked at.
 [[nodiscard]] Json trace_record(const TraceRecord& record, std::string_view thread,
                                 std::string_view event, std::string_view name);
 /// Without which a file was cut off.

@@ -144,7 +144,8 @@ Status Endpoint::make_directory() const {
 
 Status Endpoint::take_lock() {
   const auto name = lock_path(path_);
-  // The one who had the lock removes the file when he ends: what we locked may be gone by then.
+  // A mauved that had the lock removes the file when it ends, so the file locked here may be gone
+  // by then.
   for (int attempt = 0; attempt < 16; ++attempt) {
     lock_ = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (lock_ < 0) {

@@ -12,9 +12,9 @@ namespace mauve::server {
 /// A bound, listening Unix socket and the lock that makes it ours. [main]
 class Endpoint {
  public:
-  /// Makes the directory (0750) if it is missing, takes the lock PATH.lock, clears a socket nobody
-  /// answers at, and binds with mode 0660. As root the group is `mauve` where it exists.
-  /// Refuses with conflict when another daemon is there.
+  /// Makes the directory (0750) if it is missing, takes the lock PATH.lock, removes a socket at
+  /// which no daemon answers, and binds with mode 0660. As root the group is `mauve` where it
+  /// exists. Refuses with conflict when another daemon is there.
   [[nodiscard]] static Result<Endpoint> open(const std::filesystem::path& path);
 
   Endpoint(Endpoint&& other) noexcept;

@@ -50,7 +50,7 @@ Result<Peer> peer_of(int socket) {
   if (getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &who, &size) != 0) {
     return system_error("SO_PEERCRED");
   }
-  // The kernel says how many there are when the room is too small.
+  // The kernel returns their number when the room is too small.
   std::vector<gid_t> groups(64);
   auto bytes = static_cast<socklen_t>(groups.size() * sizeof(gid_t));
   if (getsockopt(socket, SOL_SOCKET, SO_PEERGROUPS, groups.data(), &bytes) != 0) {

@@ -85,7 +85,7 @@ void Server::stop(std::chrono::milliseconds grace) {
     io_.stop();
     thread_.join();
   }
-  // Nothing runs on [io] any more: this thread may end what is left.
+  // Nothing runs on [io] any more: this thread may end the sessions that are left.
   const auto late = sessions_;
   for (const auto& [id, session] : late) {
     session->end("the daemon ends");
@@ -131,7 +131,7 @@ void Server::on_accept(const boost::system::error_code& error, Protocol::socket 
   accept();
 }
 
-/// The listening socket stays readable while nobody can be accepted: asking again at once would
+/// The listening socket stays readable while no client can be accepted: asking again at once would
 /// spin. sweep() and every session that ends try again.
 void Server::pause_accept() {
   if (!paused_) {
@@ -297,7 +297,7 @@ void Server::on_end(std::uint64_t client, const std::string& reason) {
   }
 }
 
-/// Runs while there is somebody to watch: an idle daemon does not wake up.
+/// Runs while there is a session to watch: an idle daemon does not wake up.
 void Server::sweep() {
   if (std::exchange(sweeping_, true)) {
     return;

@@ -50,7 +50,7 @@ class Server {
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  /// Takes over the listening socket. Clients who connected to it before have waited. [main]
+  /// Takes over the listening socket. Clients that connected to it before have waited. [main]
   Status open(Endpoint endpoint);
   /// Starts the [io] thread: clients are served. [main]
   void start();
@@ -75,7 +75,7 @@ class Server {
   /// How a newcomer is admitted.
   struct Entry {
     bool only_urgent = false;
-    std::uint64_t displaced = 0;  ///< the client whose slot it gets; 0: nobody's
+    std::uint64_t displaced = 0;  ///< the client whose slot it gets; 0: none
   };
   struct Occupancy {  ///< of the connection slots, in all and of one user
     std::size_t ordinary = 0;

@@ -13,7 +13,7 @@ using protocol::Json;
 
 namespace {
 
-/// So much of one client is served at once; everybody's stop waits for it.
+/// So much of one client is served at once; a stop of any client waits for it.
 constexpr int kLinesAtOnce = 8;
 constexpr std::size_t kLongLine = 16 * 1024;
 
@@ -29,7 +29,7 @@ Session::Session(Socket socket, Caller caller, SessionContext& context)
       progress_(since_) {}
 
 void Session::start() {
-  // Producers know the outbox, the outbox knows this session weakly: nobody keeps a dead client.
+  // Producers know the outbox, the outbox knows this session weakly: no object keeps a dead client.
   auto wake = [weak = weak_from_this(), executor = socket_.get_executor()] {
     asio::post(executor, [weak] {
       if (const auto self = weak.lock()) {
@@ -165,7 +165,7 @@ void Session::dispatch(protocol::Request request) {
   ++in_flight_;
   auto reply = [weak = weak_from_this(), executor = socket_.get_executor(),
                 id = request.id](Outcome outcome) {
-    // Here, and not on [io], which everybody's stop comes through.
+    // Here, and not on [io], through which each stop comes.
     auto* fault = std::get_if<protocol::Fault>(&outcome);
     auto line = protocol::to_line(
         fault != nullptr ? protocol::make_error(id, *fault)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The paths that decide what mauved starts and who reaches it: architecture file, state directory
-/// and the directory of the socket. They have the trust rule of plugins (plugin/load/trust.h).
+/// The paths that decide which system mauved starts and which users reach it: architecture file,
+/// state directory and the directory of the socket. They have the trust rule of plugins
+/// (plugin/load/trust.h).
 #pragma once
 
 #include <optional>

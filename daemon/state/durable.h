@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Files that survive a power cut: after it a file is what it was before, or what it was to become.
-/// All functions wait for the disk; none is for [control] or [io].
+/// Files that survive a power cut: after it a file has its old content, or its new content. All
+/// functions wait for the disk; none is for [control] or [io].
 #pragma once
 
 #include <filesystem>

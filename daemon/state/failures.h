@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The last failure of each component, with what led to it: kept when the log has rolled over.
+/// The last failure of each component, with the events before it: kept when the log has rolled
+/// over.
 #pragma once
 
 #include <cstdint>
@@ -69,7 +70,7 @@ class Failures {
   void note(const std::string& component, Failure failure);
   /// Is the failure of this instant the last one that was noted?
   [[nodiscard]] bool knows(const std::string& component, std::int64_t monotonic_ns) const;
-  /// Adds to those that are old enough what the log says of them.
+  /// Adds the records of the log to those failures that are old enough.
   void ask_log(const logging::History& history, std::int64_t now);
   /// The same at once; null: it never failed.
   [[nodiscard]] const Failure* find(const std::string& component, const logging::History& history);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Saved generations: one file each, an architecture file whose first line, a comment, says what it
-/// is. Any of them can be started by hand.
+/// Saved generations: one file each, an architecture file whose first line, a comment, describes
+/// it. Any of them can be started by hand.
 #pragma once
 
 #include <cstdint>
@@ -49,12 +49,12 @@ class Generations {
  public:
   static constexpr std::size_t kKept = 100;  ///< the newest; and the newest confirmed one
 
-  /// Makes the directory, or reads what is there. Damaged files are listed as such. [main]
+  /// Makes the directory, or reads its files. Damaged files are listed as such. [main]
   [[nodiscard]] static Result<std::unique_ptr<Generations>> open(
       const std::filesystem::path& directory);
 
-  /// Saves an architecture file. A number that is there already keeps what is known about it and
-  /// gets the new text: a plugin that comes or goes makes no generation. [disk]
+  /// Saves an architecture file. A number that is there already keeps its description and gets the
+  /// new text: a plugin that comes or goes makes no generation. [disk]
   Status save(const Generation& about, const std::string& text);
 
   /// [disk] Refused: there is no such generation, or the disk failed.
@@ -92,7 +92,7 @@ class Generations {
   const std::filesystem::path directory_;
   std::uint64_t last_number_ = 0;  ///< [disk] saved last, and its text
   std::string last_text_;
-  mutable Mutex mutex_;  ///< guards what follows, never held while the disk works
+  mutable Mutex mutex_;  ///< guards the members below, never held while the disk works
   std::map<std::uint64_t, Generation> known_ MAUVE_GUARDED_BY(mutex_);
   std::uint64_t newest_ MAUVE_GUARDED_BY(mutex_) = 0;
 };

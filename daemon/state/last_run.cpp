@@ -43,7 +43,7 @@ std::string run_of_the_machine() {
   return replace_file(file, number + "\n") ? number : "";
 }
 
-/// The file, if nobody else may have written it.
+/// The file, if no other user may have written it.
 Result<std::string> trusted(const std::filesystem::path& file, logging::Log& log) {
   auto text = arch::read_file(file.string(), &plugin::Trust::of_this_process());
   if (!text && text.error().code == Errc::not_permitted) {
@@ -78,7 +78,7 @@ void LastRun::read(bool generations_are_kept) {
 
 void LastRun::try_generation(std::uint64_t generation) {
   started(generation);
-  std::error_code ignored;  // the file above could not be written either, which the log says
+  std::error_code ignored;  // the file above could not be written either, which is logged
   std::filesystem::remove(continue_, ignored);
 }
 

@@ -26,7 +26,7 @@ struct StartTrial {
   Status good = ok();      ///< the first error of the file
 };
 
-/// A core that failed on probation is put in force by nobody, also not by a start from a generation
+/// A core that failed on probation is never put in force, also not by a start from a generation
 /// that was confirmed before.
 Status check_cores(const Json& cores, const Json& quarantined) {
   for (const auto& one : cores) {
@@ -46,8 +46,8 @@ Status check_cores(const Json& cores, const Json& quarantined) {
 
 /// The trial makes all elements once, in a process of its own. Code of a plugin that crashes there
 /// does not end mauved, and a generation that cannot be made leaves nothing behind. If the process
-/// cannot be started, or is late outside of any hook, as on a busy machine, the trial says nothing
-/// and the start itself decides.
+/// cannot be started, or is late outside of any hook, as on a busy machine, the trial has no
+/// verdict, and the start itself decides.
 StartTrial tried(const Origin& origin, const Options& options, const Json& quarantined) {
   Question question{origin.text};
   question.loads = true;

@@ -111,7 +111,7 @@ void StateStore::keep(Generation about, Value architecture, Json line,
                       std::function<void(bool saved)> then, As as) {
   std::error_code unknown;
   about.folder = std::filesystem::current_path(unknown).string();
-  // Before the lines of refused changes, of which anybody can make many.
+  // Before the lines of refused changes, of which any user can make many.
   disk_.post_urgent([this, about = std::move(about), architecture = std::move(architecture), as,
                      line = std::move(line), then = std::move(then)]() mutable {
     if (as == As::before) {

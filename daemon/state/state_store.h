@@ -49,24 +49,24 @@ class StateStore {
   [[nodiscard]] Generations& generations() { return *generations_; }
   [[nodiscard]] const std::string& directory() const { return directory_; }
 
-  /// Saves what this run starts with, waiting for the disk, and begins to write on [disk]. [main]
-  /// After a crash the starts that nobody confirmed go.
+  /// Saves the generation that this run starts with, waiting for the disk, and begins to write on
+  /// [disk]. After a crash the unconfirmed starts are removed. [main]
   void begin(const Generation& first, const Value& architecture);
-  /// Writes what waits, then says that the run has come to its end. [main]
+  /// Writes all that waits, then records the end of the run. [main]
   void end();
 
-  /// How a generation that is new is marked: as it says, confirmed also when it was saved already,
-  /// or like the one before it.
+  /// The mark of a new generation: its own one, confirmed also when it was saved already, or the
+  /// mark of the one before it.
   enum class As : std::uint8_t { marked, confirmed, before };
 
   /// Saves a generation, adds `line` to the audit log with "saved", then calls `then` on [disk].
   /// "saved" includes its mark. [any but rt]
   void keep(Generation about, Value architecture, Json line, std::function<void(bool saved)> then,
             As as = As::marked);
-  /// Adds a line to the audit log, for which nobody waits. When too many are on their way, lines
+  /// Adds a line to the audit log, for which no thread waits. When too many are on their way, lines
   /// are lost and counted. [any but rt]
   void audit(const Json& line);
-  /// Marks a saved generation, after what waits for [disk]. [any but rt]
+  /// Marks a saved generation, after the jobs that wait for [disk]. [any but rt]
   void mark(std::uint64_t generation, Confirmation mark);
   /// Confirms a saved generation if an earlier one, to which it goes back, is. [any but rt]
   void confirm_like(std::uint64_t generation, std::uint64_t earlier);
@@ -88,7 +88,7 @@ class StateStore {
   void quarantine(Json cores);
   /// [main] The list as the run before left it.
   [[nodiscard]] const Json& quarantined() const { return quarantined_; }
-  /// [any but rt] Waits until everything said so far is on the disk, or could not be.
+  /// [any but rt] Waits until the data of all calls so far is on the disk, or could not be written.
   void flush();
 
   /// [any] False when the disk did not take the newest generation.
@@ -124,7 +124,7 @@ class StateStore {
   std::uint64_t newest_ = 0;           ///< [disk] that was to be saved, and its mark if it was not
   Confirmation newest_mark_ = Confirmation::unconfirmed;
   bool audit_broken_ = false;  ///< [disk] one complaint each until it works again
-  Mutex mutex_;                ///< guards what follows
+  Mutex mutex_;                ///< guards the members below
   std::vector<std::string> waiting_ MAUVE_GUARDED_BY(mutex_);
   std::uint64_t lost_ MAUVE_GUARDED_BY(mutex_) = 0;
   WorkerThread disk_{ThreadRole::disk};

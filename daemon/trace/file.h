@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Recordings as JSON: what a page of the wire and a file (.mtrace) are made of.
+/// Recordings as JSON, the form of a page of the wire and of a file (.mtrace).
 #pragma once
 
 #include <cstddef>

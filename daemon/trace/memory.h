@@ -18,8 +18,8 @@ struct Recording {
   std::string why;
   Instant from = 0;  ///< since T0
   Instant to = 0;
-  std::int64_t lost = 0;  ///< records that nobody collected in time
-  bool probed = false;    ///< all the time, for what the host or foreign work held up
+  std::int64_t lost = 0;  ///< records that were not collected in time
+  bool probed = false;    ///< all the time, to find delays by the host or by foreign work
   std::vector<TraceRecord> records;
 };
 using RecordingPtr = std::shared_ptr<const Recording>;

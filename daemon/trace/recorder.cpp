@@ -19,9 +19,9 @@ using std::chrono::steady_clock;
 
 constexpr milliseconds kEvery{50};
 constexpr milliseconds kEveryInDetail{20};  // there is more of it
-/// A recording goes on for so long after what it is about.
+/// A recording goes on for so long after its event.
 constexpr milliseconds kAfterwards{200};
-/// [control] says what it is about; when that takes longer, what it said last is good enough.
+/// [control] describes the system; when that takes longer, its last description is good enough.
 constexpr milliseconds kAboutMayTake{1'000};
 /// Each may take some megabytes.
 constexpr std::size_t kSnapshots = 2;
@@ -122,7 +122,7 @@ void Recorder::look(const TraceRecord& record) {
       rollback->component.empty()) {
     rollback->component = trace_name(record.name);
   }
-  // Releases that a change lets pass are named; nobody was late for them.
+  // Releases that a change lets pass are named; no thread was late for them.
   const bool missed = record.kind == TraceKind::missed && record.name == 0;
   const bool failed = record.kind == TraceKind::fault || record.kind == TraceKind::rollback;
   if ((missed || failed) && flights_ != nullptr) {

@@ -36,7 +36,7 @@ class Recorder {
 
   /// [main] Before the first client.
   void start(Running& running);
-  /// [main] Writes what is about to be written.
+  /// [main] Writes the recordings that are due.
   void stop();
 
   /// Begins a trace; one that is under way begins anew. [control]
@@ -83,11 +83,11 @@ class Recorder {
   Running* running_ = nullptr;
   std::unique_ptr<Flights> flights_;
 
-  mutable Mutex mutex_;  ///< guards what follows
+  mutable Mutex mutex_;  ///< guards the members below
   ConditionVariable wake_;
   bool stopping_ MAUVE_GUARDED_BY(mutex_) = false;
   TraceMemory memory_ MAUVE_GUARDED_BY(mutex_);
-  TracedSystem about_ MAUVE_GUARDED_BY(mutex_);  ///< as it was when somebody looked last
+  TracedSystem about_ MAUVE_GUARDED_BY(mutex_);  ///< as it was when it was looked at last
   bool on_ MAUVE_GUARDED_BY(mutex_) = false;
   bool detail_ MAUVE_GUARDED_BY(mutex_) = false;
   Instant since_ MAUVE_GUARDED_BY(mutex_) = 0;  ///< of the trace, or of the last one

@@ -164,7 +164,7 @@ class Application final : public ChangeHooks {
 
   Running& running_;
   std::string text_;
-  plugin::Catalog catalog_;  // the running one, and what the file adds
+  plugin::Catalog catalog_;  // the running one, with the additions of the file
   bool dry_run_;
   arch::Problems problems_;
   std::unique_ptr<Architecture> wanted_;

@@ -20,8 +20,8 @@ void apply_architecture(Running& running, const CallPtr& call, Ticket ticket, st
 /// [control] Which components do not run now.
 [[nodiscard]] arch::Parked parked_now(const Running& running);
 
-/// [control] The file of this call, with the rights of its caller: code that no admin let in runs
-/// for nobody else.
+/// [control] The file of this call, with the rights of its caller: code that no admin has let in
+/// runs for an admin only.
 [[nodiscard]] Question question_of(const Running& running, const Call& call);
 
 }  // namespace mauve::daemon

@@ -64,7 +64,7 @@ void say_kept(const Running& running, const Change& change, Json& result);
 /// The edit of this component or resource with which a change begins.
 [[nodiscard]] Edit edit_of(std::string_view component);
 
-/// The reason of a rollback that somebody asked for begins with this.
+/// The reason of a requested rollback begins with this.
 inline constexpr std::string_view kUndone = "undone";
 
 /// [any] `probation` (a number of jobs, or "off"), `misses` and `confirm_within`; the default where
@@ -72,7 +72,7 @@ inline constexpr std::string_view kUndone = "undone";
 [[nodiscard]] Result<std::optional<Probation>> probation_of(const Json& params);
 [[nodiscard]] Json to_json(const Probation& probation);
 
-/// [control] What runs code of the plugin, as a change of all of it: the types in force stand for
+/// [control] A change of all elements that run code of the plugin. The types in force stand for
 /// those to come.
 [[nodiscard]] Change members_of(const Running& running, const std::string& plugin,
                                 StatePolicy state);

@@ -21,7 +21,7 @@ rules::Steps steps_of(const Running& running, const std::string& text, arch::Pro
     arch::read_change({*node, "change", problems}, wanted);
   }
   if (problems.empty()) {
-    const arch::Spec none;  // the steps are about what runs
+    const arch::Spec none;  // the steps concern the running system
     arch::check_steps(wanted, "change", {none, running.architecture, running.catalog}, problems);
   }
   rules::Steps steps;

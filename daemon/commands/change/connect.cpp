@@ -46,7 +46,7 @@ Status replace_connection(const Running& running, const Json& params, const std:
   return ok();
 }
 
-/// `max_age`, or zero when it is not said.
+/// `max_age`, or zero when it is not given.
 Result<Duration> limit_of(const Json& params) {
   if (!params.contains("max_age")) {
     return Duration{0};

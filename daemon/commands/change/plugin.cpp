@@ -88,7 +88,7 @@ void finish_unload(Running& running, const Call& call, const std::string& name,
   answer(running, call, std::move(result));
 }
 
-/// The users that are named may be what a probation rolls back to, and nothing that runs.
+/// The users that the error names may be kept for a rollback only, and run no more.
 Error why_in_use(const Running& running, const std::string& plugin, Error error) {
   const bool in_force = !members_of(running, plugin, StatePolicy::keep).edits.empty();
   if (error.code != Errc::wrong_state || !running.deployer.on_probation() || in_force) {
@@ -164,8 +164,8 @@ void unload_settled(Running& running, const CallPtr& call, const std::string& na
 
 }  // namespace
 
-/// Cores that were replaced just now hold their library until their threads have looked elsewhere
-/// and [factory] has freed them. That takes moments, unless a thread hangs.
+/// Cores that were replaced just now hold their library until their threads have passed a quiescent
+/// point and [factory] has freed them. That takes moments, unless a thread hangs.
 void unload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
   const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(1);
   running.control.await(

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// plugin.reload: everything that components run, and all resources, move to the new code in one
 /// transaction. The old code stays in memory while the change is on probation (see former.h);
-/// without a probation it is unmapped at once, or it is said why not.
+/// without a probation it is unmapped at once, or the answer gives the reason why not.
 ///
 ///   [judge]   make everything that runs from the new file in a process of its own.
 ///   [factory] map the new file, make and configure the new elements.
@@ -127,7 +127,7 @@ std::vector<arch::Line> lines_of_reload(const Running& running, Reload& reload) 
   return lines;
 }
 
-/// [control] What could refuse the new code is asked before anything moves.
+/// [control] Makes all checks that may refuse the new code, before anything changes.
 Status may_go_on(Running& running, const Call& call, Reload& reload) {
   if (reload.prepared && !*reload.prepared) {
     return reload.prepared->error();
@@ -204,7 +204,7 @@ void finish(Running& running, const Call& call, Json result, const plugin::Unmap
   answer(running, call, std::move(result));
 }
 
-/// [control] A refusal is answered at once, what is in force when the old code is gone.
+/// [control] A refusal is answered at once, a reload in force when the old code is gone.
 void end(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket,
          const Status& done) {
   const bool in_force = done.has_value();
@@ -227,8 +227,8 @@ void end(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket,
       });
 }
 
-/// [control] What still looks at the old code: a probation that this change ended, a core that
-/// stood by. Threads look away at once, but one that hangs.
+/// [control] Waits for the last users of the old code: a probation that this change ended, a core
+/// that stood by. Threads reach their quiescent points at once, unless one hangs.
 void end_when_settled(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket,
                       const Status& done) {
   const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(1);
@@ -336,7 +336,7 @@ Change members_of(const Running& running, const std::string& plugin, StatePolicy
     }
     if (const auto& fallback = component->fallback();
         fallback && plugin_of(fallback->core.name) == plugin) {
-      edit.task = bundle.task;  // it takes part, so that what stands by of the old build goes
+      edit.task = bundle.task;  // it takes part, so that a standby core of the old build goes
       change.fallbacks.push_back({component->name(), fallback});
     }
     if (edit.core || edit.fsm || edit.type || edit.task) {

@@ -15,7 +15,7 @@ namespace mauve::daemon {
 
 namespace {
 
-/// [stop] What [control] is going to look at first: false when it will refuse the stop.
+/// [stop] The first checks that [control] is going to make: false when it will refuse the stop.
 bool applies(const Running& running, const Call& call) {
   if (flag(call.params, "all") == !texts(call.params, "components").empty()) {
     return false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// condition.get: what a condition, as of a rule, says now.
+/// condition.get: the truth of a condition, as of a rule, now.
 #include "rules/condition.h"
 #include "arch/parse/quantity.h"
 #include "arch/text/value_json.h"

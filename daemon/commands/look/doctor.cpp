@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// daemon.doctor: what this process was granted, and the directories it lives on. `mauvectl doctor`
-/// judges it, beside what it finds on the machine itself.
+/// daemon.doctor: the privileges of this process, and its directories. `mauvectl doctor` judges
+/// them, together with its own findings on the machine.
 #include <gnu/libc-version.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>

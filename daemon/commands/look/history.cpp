@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// config.history: the saved generations. config.compare: what differs between two of them.
+/// config.history: the saved generations. config.compare: the differences between two of them.
 /// config.rollback: back to one of them.
 #include <memory>
 #include <optional>

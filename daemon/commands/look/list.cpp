@@ -60,12 +60,12 @@ Json cores_for(const plugin::LoadedPlugin& loaded, const Contract& contract) {
   return names;
 }
 
-/// Null for a contract that is a class inside the plugin: nobody else can fulfil it.
+/// Null for a contract that is a class inside the plugin: no other plugin can fulfil it.
 Json public_name(const Contract& contract) {
   return contract.name.find('/') == std::string::npos ? Json() : Json(contract.name);
 }
 
-/// The contract of the component named by `for`, or nothing when it is not said.
+/// The contract of the component named by `for`, or nothing when it is not given.
 Result<std::optional<Contract>> wanted_contract(const Running& running, const Call& call) {
   const auto name = text_or(call.params, "for");
   if (name.empty()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// log.level and log.set_level: from which level on is logged, for a time if that is said.
+/// log.level and log.set_level: the lowest level that is logged, for a time if one is given.
 #include <algorithm>
 #include <chrono>
 #include <optional>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The components that a start or a stop is about, and what it says of those for which nothing was
-/// to do. [control]
+/// The components that a start or a stop names, and its answer about those that were in the wanted
+/// state already. [control]
 #pragma once
 
 #include <string>

@@ -21,7 +21,7 @@ namespace mauve::daemon {
 /// transitions in the order in which guards are asked, the transition that needs no guard last.
 [[nodiscard]] Json machine_json(const FsmBase& fsm);
 
-/// [{"address","text"}]: connections of what runs that may be a mistake. [control]
+/// [{"address","text"}]: connections of the running system that may be a mistake. [control]
 [[nodiscard]] Json wiring_notes(const Running& running);
 
 }  // namespace mauve::daemon

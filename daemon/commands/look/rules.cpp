@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// rules.list: what the rules wait for, and what they did.
+/// rules.list: the conditions that the rules wait for, and their firings.
 #include "commands/answer.h"
 #include "monitor/supervisor.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// status.get, ping, version: is it well, and what is it?
+/// status.get, ping, version: the state of the system, and its version.
 #include <algorithm>
 
 #include "commands/answer.h"

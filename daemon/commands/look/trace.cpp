@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// trace.*: what every thread did when, while it is on; and the flight recordings.
+/// trace.*: the actions of every thread with their times, while it is on; and the flight
+/// recordings.
 #include <chrono>
 #include <memory>
 #include <optional>

@@ -20,7 +20,8 @@ namespace mauve::daemon {
 /// status, an age, a field.
 [[nodiscard]] Result<Json> sample_at(const Running& running, const std::string& address);
 
-/// The service whose values an address shows: itself, or what a port is connected to; else null.
+/// The service whose values an address shows: itself, or the service that a port is connected to;
+/// else null.
 [[nodiscard]] ServiceBase* service_of(const Target& target);
 
 /// How old the values of a connection may be, as text; null for no limit.

@@ -100,7 +100,7 @@ void add_system(Page& page, const Running& running) {
   page.sample({}, up.count());
 }
 
-/// Counted since mauved began, also of methods that nobody asks for any more.
+/// Counted since mauved began, also of methods that are not called any more.
 void add_commands(Page& page, const Counts& counts) {
   page.family("commands_total", "counter", "Requests that were answered, refused ones included.");
   for (const auto& [method, count] : counts.commands()) {
@@ -113,7 +113,7 @@ void add_commands(Page& page, const Counts& counts) {
 }
 
 /// The outcomes that the system caused by itself. The component of a rollback is empty when a user
-/// asked for it, or nobody confirmed the change.
+/// asked for it, or no user confirmed the change.
 void add_outcomes(Page& page, const Counts& counts, const std::vector<ComponentStatus>& all) {
   struct Counter {
     const char* name;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// stats.get and stats.reset: what jobs and states took.
+/// stats.get and stats.reset: the times of jobs and states.
 #include <algorithm>
 
 #include "base/name.h"

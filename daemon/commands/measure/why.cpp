@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// component.why: the last failure of a component, what came before it, what the system did, and
-/// what to do next.
+/// component.why: the last failure of a component, the events before it, the reaction of the
+/// system, and the next step for the user.
 #include <algorithm>
 
 #include "commands/answer.h"

@@ -16,7 +16,8 @@ namespace {
 using logging::Event;
 using plugin::Library;
 
-/// Threads look away within one job, unless one hangs: then the code stays, and the log says so.
+/// Threads reach a quiescent point within one job, unless one hangs: then the code stays, and the
+/// log reports it.
 constexpr std::chrono::seconds kPatience{2};
 
 bool ends_a_probation(const Outcome& outcome) {

@@ -46,7 +46,7 @@ Outcome outcome_of(const Running& running, const PlaceProbation& place, Outcome:
   return outcome;
 }
 
-/// The component did not run before the swap, it is faulted, and nobody has started it since.
+/// The component did not run before the swap, it is faulted, and it was not started since.
 bool is_at_rest(const Running& running, const PlaceProbation& place) {
   const auto status = running.deployer.status(place.component);
   return status.state == ComponentState::faulted && !place.before.ran &&

@@ -26,7 +26,7 @@ struct Running;
 struct Call;
 
 /// The failure that a component had before its core changed. A component that is faulted stays so
-/// until it is started, whatever its core, so this failure is not one of the new core.
+/// until it is started, with any core, so this failure is not one of the new core.
 struct FailureMark {
   std::string component;
   std::optional<Instant> before = std::nullopt;  ///< none: it was neither faulted nor recovering
@@ -46,7 +46,7 @@ struct CoreBefore {
   FailureMark failure;
 };
 
-/// The new core of a swap in place failed, nobody confirmed it, or a user takes the swap back.
+/// The new core of a swap in place failed, no user confirmed it, or a user takes the swap back.
 struct PlaceFailure {
   std::string reason;
   std::optional<Incident> incident;  ///< none: it did not fail

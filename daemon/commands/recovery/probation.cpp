@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// change.confirm and change.undo: what becomes of the change on probation. Served before
-/// everything that waits.
+/// change.confirm and change.undo: the fate of the change on probation. They are served before all
+/// requests that wait.
 #include <algorithm>
 #include <charconv>
 #include <system_error>
@@ -273,7 +273,7 @@ void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
   if (const bool new_code = confirm_unproven(running); !done && !places && !new_code) {
     return answer(running, *call, done.error());
   }
-  call->confirms = true;  // what a power cut could take back is no confirmation: the answer waits
+  call->confirms = true;  // a power cut must not take it back, so the answer waits for the disk
   answer(running, *call,
          Json{{"generation", running.deployer.generation()},
               {"changed", true},

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Quarantine: a new core that failed and was rolled back is not put in force again, and does
-/// not stand by as a fallback core. It leaves quarantine when somebody releases it, or when its
-/// plugin is another build. The other cores of that change do not enter quarantine. An undone
-/// change, and one that nobody confirmed, bring no core into quarantine. A component that runs the
-/// core already goes on with it. The state directory keeps the list.
+/// Quarantine: a new core that failed and was rolled back is not put in force again, and does not
+/// stand by as a fallback core. It leaves quarantine when a user releases it, or when its plugin is
+/// another build. The other cores of that change do not enter quarantine. An undone change, and one
+/// that was not confirmed, bring no core into quarantine. A component that runs the core already
+/// goes on with it. The state directory keeps the list.
 #pragma once
 
 #include <functional>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// New code that a start, or a reload without a probation, put in force: no failure rolls it back.
-/// After a crash, mauved starts its generation only when it ran for a while, or somebody confirmed
+/// After a crash, mauved starts its generation only when it ran for a while, or a user confirmed
 /// it.
 #pragma once
 
@@ -25,7 +25,7 @@ void carry_unproven(Running& running, std::uint64_t generation);
 /// generations are confirmed by their own rules.
 void look_at_unproven(Running& running);
 
-/// [control] By hand. False: what is in force is no such generation.
+/// [control] By hand. False: the generation in force is none of these.
 [[nodiscard]] bool confirm_unproven(Running& running);
 
 }  // namespace mauve::daemon
