@@ -37,7 +37,7 @@ class Client {
   [[nodiscard]] std::optional<Fault> connect();
 
   /// Sends one request and waits for its answer; notifications that come before it are kept for
-  /// next(). A lost connection or a timeout says "unknown" as the state after a mutation.
+  /// next(). After a lost connection or a timeout the state after a mutation is "unknown".
   [[nodiscard]] std::variant<Json, Fault> call(std::string_view method, const Json& params,
                                                std::chrono::nanoseconds timeout);
 

@@ -76,12 +76,12 @@ struct Category {
 };
 [[nodiscard]] std::span<const Category> categories();
 
-/// Said before or after the command.
+/// The options before or after the command.
 struct Globals {
   std::string socket;
   bool json = false;
   std::string colour = "auto";
-  std::string timeout;  ///< as written, empty: what suits the command
+  std::string timeout;  ///< as written; empty: the default of the command
   std::string wait;     ///< as written, empty: a daemon that is not there is an error at once
   std::optional<std::uint64_t> if_generation;
   std::string reason;
@@ -134,7 +134,7 @@ constexpr Argument choice(std::string_view name, std::string_view text, std::str
 constexpr Argument one_of(std::string_view name, std::string_view text, std::string_view choices) {
   return {name, text, Kind::none, true, false, false, choices};
 }
-/// Takes this word as well as what else it takes.
+/// Accepts this word, besides the other values of the argument.
 constexpr Argument also(std::string_view word, Argument argument) {
   argument.choices = word;
   argument.others = true;

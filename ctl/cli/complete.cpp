@@ -123,7 +123,7 @@ class Live {
     return result;
   }
 
-  /// Elements; below an element what is in it, of one kind only when a group is named.
+  /// Elements; below an element its members, of one kind only when a group is named.
   Words addresses(const std::string& begun, std::string_view only = {}) {
     const auto dot = begun.find('.');
     if (dot != std::string::npos) return inside(begun.substr(0, dot), only);
@@ -301,7 +301,7 @@ Words names_of(const Typed& typed, const Argument& argument, const std::string& 
   return {};
 }
 
-/// `before` is what the word has in front of the value: "--level=".
+/// `before` is the part of the word in front of the value: "--level=".
 Completion value_completion(const Typed& typed, const Argument& argument, const std::string& begun,
                             const std::string& before) {
   Completion result;

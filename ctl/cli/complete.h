@@ -13,7 +13,7 @@ namespace mauve::ctl {
 /// not complete yet.
 struct Candidate {
   std::string word;
-  std::string text;  ///< what it means; empty where the word says it
+  std::string text;  ///< its meaning; empty where the word suffices
 };
 
 struct Completion {
@@ -22,7 +22,7 @@ struct Completion {
 };
 
 /// `words`: the command line after the program, the last one is the one to be completed (it may be
-/// empty). A daemon that does not answer within a moment adds nothing, and nothing is said.
+/// empty). A daemon that does not answer within a moment adds nothing, without a message.
 [[nodiscard]] Completion complete(const std::vector<std::string>& words);
 
 /// The output of `mauvectl __complete` for the scripts of all shells. It has a line for each

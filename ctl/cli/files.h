@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Files that the user names; what cannot be done is said in the words of the system.
+/// Files that the user names; errors are reported in the words of the system.
 #pragma once
 
 #include <fstream>

@@ -9,7 +9,7 @@ namespace mauve::ctl {
 /// The answer to a change is awaited: all that a signal handler can look at.
 inline volatile sig_atomic_t g_change_awaited = 0;
 
-/// While it lives, Ctrl-C ends what it is asked about, not the program. One at a time. [main]
+/// While one lives, Ctrl-C sets came() and does not end the program. One at a time. [main]
 class Interrupt {
  public:
   Interrupt();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// mauvectl: looks at mauved and changes what runs in it.
+/// mauvectl: shows and changes the system that runs in mauved.
 #include <signal.h>
 #include <unistd.h>
 
@@ -17,7 +17,7 @@ namespace {
 
 using namespace mauve::ctl;
 
-/// Ends at once, as if there were no handler, but says what may still go on.
+/// Ends at once, as if there were no handler, but warns that a change may still go on.
 extern "C" void end_at_once(int signal_number) {
   constexpr char kText[] =
       "\nmauvectl: stopped waiting; the daemon may still carry out the change\n";

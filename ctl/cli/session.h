@@ -51,7 +51,7 @@ class Session {
 /// A file that cannot be read or written is wrong use.
 [[nodiscard]] Fault bad_file(const Error& error);
 
-/// {"text", "file"}: what FILE contains, and its name.
+/// {"text", "file"}: the content of FILE, and its name.
 [[nodiscard]] std::variant<Json, Fault> file_params(const Session& session,
                                                     std::string_view argument = "FILE");
 

@@ -38,7 +38,7 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
-/// "gain=0.3" to {"gain": 0.3}; what is not JSON is a text.
+/// "gain=0.3" to {"gain": 0.3}; a value that is not JSON is a text.
 std::variant<Json, Fault> assignments(const std::vector<std::string>& given) {
   Json values = Json::object();
   for (const auto& one : given) {

@@ -27,7 +27,7 @@ bool is_known_form(const std::string& file) {
   return std::ranges::any_of(kEndings, [&](std::string_view end) { return name.ends_with(end); });
 }
 
-/// As an option says, else as the file is called.
+/// The form that an option names, else that of the ending of the file.
 std::variant<Form, Fault> form_of(const Arguments& given) {
   const int said = (given.has("--dot") ? 1 : 0) + (given.has("--mermaid") ? 1 : 0) +
                    (given.has("--svg") ? 1 : 0);
@@ -73,7 +73,7 @@ std::string reported_for(const Session& session, const std::string& drawn) {
   return session.arguments.has("-o,--output") ? "drew " + drawn : std::string();
 }
 
-/// The rows of what is drawn; all else as it was.
+/// The answer with the rows of drawn elements only.
 Json part_of(Json answer, const Graph& drawn) {
   for (const char* key : {"components", "resources"}) {
     Json rows = Json::array();

@@ -28,8 +28,8 @@ Json subscription_of(const Json& result) {
   return result.is_object() ? result.value("sub", Json()) : Json();
 }
 
-/// Prints what arrives until the daemon goes away; Ctrl-C ends the process. Beside what was asked
-/// for that is what was `dropped`, or `replaced`.
+/// Prints the notifications that arrive until the daemon goes away; Ctrl-C ends the process.
+/// Besides those of the subscription these are `dropped` and `replaced`.
 template <typename Print>
 int follow(Session& session, const Json& subscription, std::string_view method, Print print) {
   while (true) {

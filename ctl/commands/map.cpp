@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Turns what the system shows into a MapPicture.
+/// Turns values of the system into a MapPicture.
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -145,7 +145,7 @@ int run_map(Session& session) {
   const int written = write_output(session, draw_map(drawing.picture),
                                    "drew " + counted(way.size(), "place") + ", " + in_words(way),
                                    {{"places", way.size()}, {"length_m", length_of(way)}});
-  return fault ? session.fail(*fault) : written;  // what came before the daemon went is drawn
+  return fault ? session.fail(*fault) : written;  // the values before the daemon went are drawn
 }
 
 }  // namespace mauve::ctl

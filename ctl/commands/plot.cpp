@@ -63,7 +63,7 @@ int run_plot(Session& session) {
   hold_to_the_end(all, end);
   const int written = write_output(session, draw_series(all), "drew " + counted(values, "value"),
                                    {{"values", values}});
-  return fault ? session.fail(*fault) : written;  // what came before the daemon went is drawn
+  return fault ? session.fail(*fault) : written;  // the values before the daemon went are drawn
 }
 
 }  // namespace mauve::ctl

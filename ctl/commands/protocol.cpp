@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The protocol itself, and commands that only print what a method answers.
+/// The protocol itself, and commands that only print the answer of a method.
 #include "commands/actions.h"
 #include "protocol/methods.h"
 #include "protocol/openrpc.h"

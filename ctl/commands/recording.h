@@ -11,7 +11,7 @@
 
 namespace mauve::ctl {
 
-/// One plain value within what an address shows: x of pose.read.
+/// One plain value within the value of an address: x of pose.read.
 struct Channel {
   std::string address;
   std::vector<std::string> path;  ///< members that lead to it; empty: the value itself
@@ -33,7 +33,7 @@ struct Sample {
   Json value;  ///< null: values were lost, the watcher was too slow
 };
 
-/// Hands out what arrives until --for has passed or Ctrl-C was pressed. [main]
+/// Hands out the values that arrive until --for has passed or Ctrl-C was pressed. [main]
 [[nodiscard]] std::optional<Fault> follow(Session& session,
                                           const std::vector<std::string>& addresses,
                                           const std::function<void(const Sample&)>& take);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Directories: where plugins come from, where the socket is, what outlives a run.
+/// Directories: those of the plugins, of the socket, and of the state that outlives a run.
 #include <sys/stat.h>
 
 #include <cstdio>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The kernel: throttling, preemption, memory; and who else is urgent on it.
+/// The kernel: throttling, preemption, memory; and the other urgent threads on it.
 #include <algorithm>
 #include <set>
 
@@ -45,7 +45,7 @@ std::string described(const Facts& facts, const rt::ThreadFacts& thread) {
          std::to_string(thread.priority) + ", CPU " + std::to_string(thread.cpu) + ")";
 }
 
-/// Another mauved needs what it has.
+/// The remedy against an urgent thread; one of another mauved needs its priority.
 std::string remedy_for(const Facts& facts, const rt::ThreadFacts& thread) {
   const std::string owner = owner_of(facts, thread);
   if (!owner.starts_with("mauved ")) {

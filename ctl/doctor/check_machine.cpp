@@ -14,7 +14,7 @@ namespace mauve::ctl::doctor {
 namespace {
 
 constexpr std::int64_t kLongestWaking = 20;          // us, out of a sleep state
-constexpr std::int64_t kNobodyAsks = 2'000'000'000;  // us, what the kernel says then
+constexpr std::int64_t kNobodyAsks = 2'000'000'000;  // us, the kernel's value for that
 constexpr std::size_t kEnoughCpus = 4;               // to set some apart
 constexpr double kHardlyStolen = 0.01;               // %, a tick now and then since the boot
 const std::string kCpus = "sys/devices/system/cpu/";

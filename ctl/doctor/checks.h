@@ -30,7 +30,7 @@ Finding check_policy(const Facts& facts);
 Finding check_guard(const Facts& facts);
 Finding check_locked(const Facts& facts);
 Finding check_guardian(const Facts& facts);
-// The kernel, and what else runs on it.
+// The kernel, and the other programs on it.
 Finding check_throttling(const Facts& facts);
 Finding check_preemption(const Facts& facts);
 Finding check_foreign(const Facts& facts);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// `mauvectl doctor`: looks, judges, and says what to do.
+/// `mauvectl doctor`: collects facts, judges them, and names remedies.
 #include <gnu/libc-version.h>
 
 #include <algorithm>

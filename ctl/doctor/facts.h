@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// All that the checks look at: the files of the machine below a root, and what mauved says.
+/// All that the checks look at: the files of the machine below a root, and the answers of mauved.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct Facts {
   Json status = nullptr;
   Json version = nullptr;
   std::string no_daemon;  ///< why those are null
-  std::string hint;       ///< what to do about it
+  std::string hint;       ///< the remedy
 
   /// A file without the white space at its end; nothing when it cannot be read.
   [[nodiscard]] std::optional<std::string> text(std::string_view file) const;

@@ -27,7 +27,7 @@ inline Finding doubt(std::string found, std::string remedy) {
 inline Finding bad(std::string found, std::string remedy) {
   return {Grade::fail, std::move(found), std::move(remedy)};
 }
-/// Of what only a running mauved knows.
+/// For facts that only a running mauved knows.
 inline Finding no_daemon() { return good("no daemon"); }
 
 }  // namespace mauve::ctl::doctor

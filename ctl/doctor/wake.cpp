@@ -36,7 +36,7 @@ constexpr std::int64_t kRows[] = {5'000,
                                   5'000'000,
                                   std::numeric_limits<std::int64_t>::max()};
 
-/// Sleeps from instant to instant; what was slept through is not asked for again.
+/// Sleeps from instant to instant; instants that passed during a sleep are left out.
 void sleep_and_look(Wakes& wakes) {
   const MonotonicClock clock;
   const std::atomic<std::uint32_t> nobody_bumps_it{0};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// How late threads wake up on this machine: what every release of a component begins with.
+/// How late threads wake up on this machine: every release of a component begins with that.
 #pragma once
 
 #include <chrono>

@@ -17,8 +17,8 @@ namespace {
 /// has an effect, in ns.
 constexpr std::int64_t kWake = 200'000;
 constexpr std::int64_t kAround = 1'000'000;
-/// A probe looks each millisecond and does not see what holds it up for 200 us: a shorter
-/// disturbance may lie between two looks.
+/// A probe looks each millisecond and does not notice a delay of 200 us: a shorter disturbance may
+/// lie between two looks.
 constexpr std::int64_t kUnseen = 1'200'000;
 
 std::map<Word, std::vector<const Record*>> by_thread(const Trace& trace) {
@@ -27,7 +27,7 @@ std::map<Word, std::vector<const Record*>> by_thread(const Trace& trace) {
   return threads;
 }
 
-/// Changes at which somebody waited for others: they go on at a later release.
+/// Changes at which components waited for others: they go on at a later release.
 std::set<std::int64_t> barriers_of(const Trace& trace) {
   std::set<std::int64_t> numbers;
   for (const Record& record : trace.records) {

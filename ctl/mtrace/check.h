@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Does a trace obey the model? Releases on the logical clock, none lost, states as the machine has
-/// them, urgent before less urgent, changes at one cut, responses within what was admitted.
+/// them, urgent before less urgent, changes at one cut, responses within the admitted bounds.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ struct Violation {
 struct Checked {
   std::uint64_t components = 0;
   std::uint64_t releases = 0;  ///< on the instant that was announced
-  std::uint64_t waits = 0;     ///< as long as their state says
+  std::uint64_t waits = 0;     ///< that lasted as their state requires
   std::uint64_t states = 0;
   std::uint64_t orders = 0;  ///< pairs of jobs on one processor
   std::uint64_t changes = 0;
@@ -39,7 +39,7 @@ struct Verdict {
   std::optional<Violation> first;  ///< violation, by time
   std::uint64_t found = 0;         ///< all of them
   Checked checked;
-  std::vector<std::string> not_checked;  ///< what, and why; a sentence each
+  std::vector<std::string> not_checked;  ///< the rules, and why; a sentence each
 
   [[nodiscard]] bool holds() const { return found == 0; }
 };

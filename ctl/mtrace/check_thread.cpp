@@ -109,7 +109,7 @@ class ThreadCheck {
     changed_since_release_ = false;
   }
 
-  /// Where the release belongs, from what was said before it.
+  /// Whether the release is at the instant that the records before it announced.
   void check_instant(const Record& record) {
     if (stopped_ != nullptr) {
       fail(record, "release",
@@ -253,8 +253,8 @@ class ThreadCheck {
     }
   }
 
-  /// As long as the machine says; before the last change, as long as each time since the one
-  /// before.
+  /// Whether a wait lasts as the machine requires; before the last change, as long as each time
+  /// since the one before.
   void check_wait(const Record& record) {
     const std::int64_t length = record.a - jobs.back().instant();
     const State* state = last_epoch() && component_ != nullptr

@@ -119,7 +119,7 @@ class Chrome {
     event("i", title(record), record.time,
           R"("s":"t","cat":"event","args":)" + protocol::to_line(args_of(record)));
   }
-  /// Counters belong to the process: the name says whose it is.
+  /// Counters belong to the process: the name contains the thread.
   void count(const Record& record) {
     if (!std::isfinite(record.value())) return;  // JSON has no word for it
     event("C", trace_.text(record.thread) + "." + trace_.text(record.name), record.time,

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint32_t kMagic = 0xC1FC1FC1;
 
-/// Clocks of CTF do not run below zero, and what happens before T0 may be in the trace.
+/// Clocks of CTF do not run below zero, and events before T0 may be in the trace.
 std::int64_t clock_of_t0(const Trace& trace) {
   return std::max(trace.header.t0, -std::min<std::int64_t>(0, trace.first_time()));
 }

@@ -33,11 +33,11 @@ class Builder {
   Trace trace_;
 };
 
-/// Takes a file in pieces of any size; memory grows with what is sound in it.
+/// Takes a file in pieces of any size; memory grows with its sound lines only.
 class Reader {
  public:
   void feed(std::string_view bytes);
-  /// After the last piece. Refused: what does not begin as a trace of this version.
+  /// After the last piece. Refused: a file that does not begin as a trace of this version.
   [[nodiscard]] Result<Trace> finish();
 
  private:
@@ -48,7 +48,7 @@ class Reader {
   std::string partial_;
   std::uint64_t number_ = 1;  // of the line that begins, or goes on, in partial_
   bool too_long_ = false;
-  bool ended_ = false;  // the line that says so was there
+  bool ended_ = false;  // its last line was there
 };
 
 /// The file, or why it cannot be read; `at` of an error is its name.

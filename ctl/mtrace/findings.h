@@ -19,7 +19,7 @@ struct SeenJob {
   const Record* release = nullptr;
   std::int64_t end = 0;
   bool whole = false;
-  bool excused = false;   ///< after an overrun, a fault or a gap: its response says nothing
+  bool excused = false;   ///< after an overrun, a fault or a gap: its response counts for nothing
   bool disturbs = false;  ///< took more than its budget, or failed: excuses others
 
   [[nodiscard]] std::int64_t instant() const { return release->a; }
@@ -52,7 +52,7 @@ class Findings {
   std::map<std::string, std::uint64_t> left_out_;
 };
 
-/// Times that excuse what is late.
+/// Times that excuse late jobs.
 class Windows {
  public:
   void add(std::int64_t from, std::int64_t to) { windows_.push_back({from, to}); }
@@ -70,7 +70,7 @@ class Windows {
   std::vector<std::int64_t> latest_;  // end of any up to here
 };
 
-/// One thread, record by record. `at_barrier`: changes for which somebody waited.
+/// One thread, record by record. `at_barrier`: changes for which components waited.
 [[nodiscard]] SeenThread check_thread(Findings& findings, const Component* component,
                                       const std::vector<const Record*>& records,
                                       const std::set<std::int64_t>& at_barrier);

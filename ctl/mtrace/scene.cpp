@@ -13,7 +13,7 @@ namespace mauve::ctl::mtrace {
 namespace {
 
 constexpr std::int64_t kSecond = 1'000'000'000;
-constexpr std::int64_t kPeriods = 5;        // around what the trace was kept for
+constexpr std::int64_t kPeriods = 5;        // around the event that the trace was kept for
 constexpr std::int64_t kReadableJobs = 50;  // of one component, where no window is asked for
 constexpr std::int64_t kAir = 80;           // part of the window on both sides
 
@@ -73,7 +73,7 @@ std::string whom(const std::string& why) {
   return space == std::string::npos ? std::string{} : why.substr(space + 1);
 }
 
-/// The last record of what the trace was kept for.
+/// The last record of the event for which the trace was kept.
 const Record* cause_of(const Trace& trace) {
   const std::string& why = trace.header.why;
   const auto space = why.find(' ');
@@ -161,7 +161,7 @@ std::int64_t busy_time(const Lane& lane, const Scene& scene) {
   return sum;
 }
 
-/// The names of those that go, so that somebody finds them with --component.
+/// Names the rows that are left out, so that a user finds them with --component.
 void keep_the_busiest(std::vector<const Lane*>& all, Scene& scene) {
   if (all.size() <= kMostRows) return;
   std::vector<std::pair<std::int64_t, const Lane*>> order;
@@ -331,7 +331,7 @@ Scene scene_of(const Trace& trace, const View& view, double smallest) {
   scene.lanes = lanes_of(trace);
   choose_window(scene, trace, view);
   for (const Lane* lane : choose_rows(scene, view)) scene.rows.push_back({lane, {}, false});
-  // Lanes stand in the order of urgency: what runs above has the processor before what is below.
+  // Lanes stand in the order of urgency: a task above has the processor before those below.
   const Budget budget(scene, smallest);
   std::map<std::int64_t, Intervals> urgent;
   for (const Lane& lane : scene.lanes) {

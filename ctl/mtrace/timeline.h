@@ -22,11 +22,11 @@ struct Timeline {
   std::string svg;
   std::int64_t from = 0;
   std::int64_t to = 0;
-  std::vector<std::string> left_out;  ///< what the picture does not show; a sentence each
+  std::vector<std::string> left_out;  ///< facts that it does not show; a sentence each
 };
 
 /// Tasks as rows by priority, arrows where they are released, boxes where they execute, changes as
-/// lines through all of them. Of bounded size, whatever the trace.
+/// lines through all of them. Of bounded size for any trace.
 [[nodiscard]] Timeline draw_timeline(const Trace& trace, const View& view);
 
 }  // namespace mauve::ctl::mtrace

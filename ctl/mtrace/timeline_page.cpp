@@ -16,7 +16,7 @@ constexpr std::size_t kColours = 8;
 constexpr std::size_t kMostStates = 12;  // in the legend
 constexpr std::size_t kMostNotes = 6;
 
-/// Reds and oranges are for what went wrong.
+/// Reds and oranges are for faults and late jobs.
 constexpr std::string_view kStyle =
     "<style>"
     ".s0{fill:#a5d6ff}.s1{fill:#aceebb}.s2{fill:#fae17d}.s3{fill:#d8b9ff}.s4{fill:#9eecec}"
@@ -89,7 +89,7 @@ std::string seconds_exactly(std::int64_t ns) {
 
 struct SignWords {
   Sign sign;
-  std::string_view drawing;  ///< what a legend shows, in a box of 22 x 12 pixels
+  std::string_view drawing;  ///< the sign in a legend, in a box of 22 x 12 pixels
   std::string_view words;
 };
 

@@ -61,9 +61,9 @@ class Page {
   [[nodiscard]] std::string colour_of(Word state);
 
   void draw_axis();
-  /// Where a row stands on, with its name and what else is to be said about it.
+  /// The base line of a row, with its name and further words.
   void draw_baseline(double y, std::string_view name, std::string_view more);
-  /// Adds title, legend and notes, and what makes it a file.
+  /// Adds title, legend and notes, and the frame of a file.
   [[nodiscard]] std::string file(const std::string& title,
                                  const std::vector<std::string>& left_out);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A trace in memory: what ran, and what happened when. Times are ns since T0.
+/// A trace in memory: the jobs that ran, and events with their times. Times are ns since T0.
 #pragma once
 
 #include <bit>
@@ -54,7 +54,7 @@ using Header = protocol::TraceHeader;
 
 /// How much of a file was sound.
 struct Reading {
-  bool complete = false;           ///< its last line says so
+  bool complete = false;           ///< its last line is there
   std::uint64_t unknown = 0;       ///< records of an event that this version does not know
   std::uint64_t broken = 0;        ///< lines that are no record
   std::uint64_t first_broken = 0;  ///< the number of the first
@@ -74,7 +74,7 @@ class Trace {
   [[nodiscard]] std::size_t words() const { return texts_.size(); }
   /// Null for threads that are no component of the header.
   [[nodiscard]] const Component* component(Word thread) const;
-  /// From the first record to the last one, whichever the header says.
+  /// The times of the first and the last record, not those of the header.
   [[nodiscard]] std::int64_t first_time() const;
   [[nodiscard]] std::int64_t last_time() const;
 

@@ -64,7 +64,7 @@ struct Graph {
 /// Of the answer to architecture.graph. Connections that lead nowhere are left out.
 [[nodiscard]] Graph graph_of(const Json& answer);
 
-/// These elements, what they are connected to, and the connections between all of them.
+/// These elements, those that they are connected to, and the connections between all of them.
 [[nodiscard]] Graph part_of(const Graph& graph, const std::vector<std::string>& names);
 
 [[nodiscard]] std::string graph_dot(const Graph& graph);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The architecture as a picture: components rounded with their state machine, resources square,
-/// what goes in on the left and what comes out on the right.
+/// inputs on the left and outputs on the right.
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -253,7 +253,7 @@ class GraphDrawing {
                      spot.left ? "" : " text-anchor=\"end\""}));
   }
 
-  /// Only what there is on this picture needs to be explained.
+  /// Explains only the signs that occur in this picture.
   void draw_legend(Svg& svg, double y) const {
     double x = kMargin;
     const auto say = [&](std::string_view words) {

@@ -88,7 +88,7 @@ std::vector<std::size_t> leftmost(const std::vector<std::size_t>& order,
   return column;
 }
 
-/// From the last to the first: whoever has more wires to the right goes right, so that few are
+/// From the last to the first: a box with more wires to the right goes right, so that few wires are
 /// long.
 void pull_right(const std::vector<std::size_t>& order, const std::vector<Edge>& forward,
                 std::vector<std::size_t>& column) {

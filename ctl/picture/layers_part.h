@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// One connected part of a picture of boxes and wires: what stands in its columns, and where.
+/// One connected part of a picture of boxes and wires: the items in its columns, and their places.
 #pragma once
 
 #include <cstddef>

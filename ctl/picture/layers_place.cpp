@@ -126,8 +126,8 @@ class Placing {
     return boxes ? kBetweenBoxes : kBesideWire;
   }
 
-  /// As near as possible to what is wanted, in this order and apart: blocks of items that touch are
-  /// joined until none overlaps the next (isotonic regression).
+  /// As near as possible to the wanted places, in this order and apart: blocks of items that touch
+  /// are joined until none overlaps the next (isotonic regression).
   void pack(const std::vector<std::size_t>& items, const std::vector<double>& best) {
     struct Block {
       double sum;

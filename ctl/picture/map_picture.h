@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The way that something drove as a picture, north up, with what was known of its surroundings.
+/// The way that a robot drove as a picture, north up, with its known surroundings.
 #pragma once
 
 #include <optional>
@@ -17,7 +17,7 @@ struct MapPicture {
   struct Step {
     Place at;
     double heading = 0.0;
-    std::string mode;  ///< what colours this piece of the way
+    std::string mode;  ///< colours this piece of the way
     /// Of its place, m^2; no ellipse when both are zero.
     double variance_x = 0.0;
     double variance_y = 0.0;

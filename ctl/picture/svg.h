@@ -8,7 +8,7 @@
 
 namespace mauve::ctl {
 
-/// A place in the picture, or in what it shows.
+/// A place in the picture, or in the world that it shows.
 struct Place {
   double x = 0.0;
   double y = 0.0;
@@ -36,7 +36,7 @@ class Svg {
   void polyline(const std::vector<Place>& places, std::string_view attributes);
   /// `steps` as SVG has them: "M0 0L10 0".
   void path(std::string_view steps, std::string_view attributes, std::string_view title = {});
-  /// Patterns and styles for what follows, as SVG.
+  /// Patterns and styles for the drawing that follows, as SVG.
   void define(std::string_view definitions);
   /// Elements as SVG, moved to a place.
   void group(Place at, std::string_view elements);
@@ -67,7 +67,7 @@ class Svg {
 [[nodiscard]] std::string path_step(char letter, Place to);
 /// How wide the text is at most, in pixels: there are no fonts to ask.
 [[nodiscard]] double text_width(std::string_view words, double size);
-/// As much of it as fits, "…" at the end of what was cut.
+/// As much of it as fits, with "…" at the end of a text that was cut.
 [[nodiscard]] std::string fitted(std::string_view words, double size, double width);
 
 /// Steps of 1, 2 or 5 times a power of ten that part the range in about so many pieces.

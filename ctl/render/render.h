@@ -43,15 +43,15 @@ struct Look {
 
 [[nodiscard]] std::string render_record(const Json& record, Look look);
 
-/// "swapped control: pause 38 ns, 0 releases missed (generation 42)".
 /// The differences that a change made, a line each: "~ control.core.gain: 0.6 -> 0.8".
 [[nodiscard]] std::string change_lines(const Json& result, Look look);
+/// "swapped control: pause 38 ns, 0 releases missed (generation 42)".
 [[nodiscard]] std::string render_receipt(std::string_view done, const Json& receipt, Look look);
-/// States that nobody takes, one a line.
+/// States that no core takes, one a line.
 [[nodiscard]] std::string dropped_states(const Json& receipt, Look look);
 [[nodiscard]] std::string render_quarantine(const Json& list, Look look);
 
-/// "loaded extra (generation 43)", with what became of the old code, and warnings.
+/// "loaded extra (generation 43)", with the fate of the old code, and warnings.
 [[nodiscard]] std::string render_plugin(std::string_view done, const Json& result, Look look);
 
 /// The loaded plugins, and the types that each brings.
@@ -62,14 +62,14 @@ struct Look {
 
 /// The saved generations, one row each.
 [[nodiscard]] std::string render_history(const Json& result, Look look);
-/// Response times, one row a component, then what is not proved.
+/// Response times, one row a component, then the proofs that are missing.
 [[nodiscard]] std::string render_analysis(const Json& result, Look look);
 /// The times that jobs took, one row a component; for one component with its states, all
 /// statistics.
 [[nodiscard]] std::string render_statistics(const Json& result, Look look);
 /// One component with its states; `now_ns` since T0.
 [[nodiscard]] std::string render_details(const Json& one, double now_ns, Look look);
-/// Why a component failed, what was done, what to do.
+/// Why a component failed, the reaction of the system, and the next step.
 [[nodiscard]] std::string render_why(const Json& why, Look look);
 /// The conditions and the effects of the rules, one row each; render_rule() has all facts about the
 /// first.
@@ -79,15 +79,15 @@ struct Look {
 /// "FILE:3:5: error: control.core.gain: must be positive", with hints.
 [[nodiscard]] std::string render_errors(std::string_view file, const Json& result, Look look);
 
-/// "~ control.core.gain: 0.2 -> 0.3", one a line, below what is compared with what. Nothing
-/// differs: one sentence.
+/// "~ control.core.gain: 0.2 -> 0.3", one a line, below the names of both sides. Nothing differs:
+/// one sentence.
 [[nodiscard]] std::string render_diff(std::string_view file, const Json& result, Look look);
 /// The same for two saved generations.
 [[nodiscard]] std::string render_compared(std::uint64_t from, std::uint64_t to, const Json& result,
                                           Look look);
 /// The same lines, then the receipt.
 [[nodiscard]] std::string render_applied(std::string_view file, const Json& result, Look look);
-/// The same lines, then what each component would hand over.
+/// The same lines, then the state that each component would hand over.
 [[nodiscard]] std::string render_plan(std::string_view file, const Json& result, Look look);
 
 /// An architecture file, keys in the order in which people write them.
@@ -95,7 +95,7 @@ struct Look {
 /// The same order in one line.
 [[nodiscard]] std::string architecture_line(const Json& architecture);
 
-/// "error: ..." with the four parts. `command` is what was asked, may be empty.
+/// "error: ..." with the four parts. `command` is that of the user, may be empty.
 [[nodiscard]] std::string render_fault(std::string_view command, const Fault& fault, Look look);
 
 /// {"error":{"code","name","message","state","where","hint","exit","generation"}}.

@@ -45,7 +45,7 @@ std::string verdict_of(const Json& result) {
   return late || list_in(result, "problems").empty() ? text : "not proved: see the warnings";
 }
 
-/// How long resources with a lock are held; where nobody knows, whole jobs count.
+/// How long resources with a lock are held; where that is unknown, whole jobs count.
 std::string locks_of(const Json& locks, Look look) {
   if (locks.empty()) return {};
   Table table({{"LOCK"}, {"HOLD", true}, {"SOURCE"}});

@@ -13,7 +13,7 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-// The order of the examples: what it is, what is inside, how it is wired, how it runs.
+// The order of the examples: type, members, connections, task.
 constexpr std::array<std::string_view, 47> kOrder{
     "$schema",       "schema",    "name",         "plugins",       "resources",   "components",
     "transactions",  "rules",     "when",         "for",           "until",       "do",

@@ -17,7 +17,7 @@ std::string text_of(const Json& line, Look look) {
   return painted(text.substr(0, 1), paint, look.colour) + text.substr(1) + "\n";
 }
 
-/// Why everybody waits for everybody, and in a plan at what cost.
+/// Why all members wait for each other, and in a plan the cost of it.
 std::string at_barrier(const Json& result, bool planned, Look look) {
   if (word(result, "sync") != "barrier") return {};
   std::string names;

@@ -17,7 +17,7 @@ std::string sentence_of(const Json& one) {
   if (state == "awaits_confirmation") {
     return which + ": goes back in " + left + " unless somebody confirms it: mauvectl confirm";
   }
-  // A number of jobs that somebody gave decides alone.
+  // A number of jobs that a user gave decides alone.
   const bool jobs_alone = number(one, "left_ns") > 3600e9;
   return which + ": on probation for " + (jobs_alone ? "" : left + " still, or ") +
          word(one, "jobs") + " jobs: a failure, or mauvectl undo, rolls back";

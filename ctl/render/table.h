@@ -19,8 +19,8 @@ namespace mauve::ctl {
 /// Columns on a terminal: code points, which is exact for the texts that mauve prints.
 [[nodiscard]] std::size_t columns(std::string_view text);
 
-/// The text without what could steer a terminal: control characters, line separators and marks of
-/// direction become '?'.
+/// The text without characters that could steer a terminal: control characters, line separators and
+/// marks of direction become '?'.
 [[nodiscard]] std::string harmless(std::string_view text);
 
 struct Cell {
@@ -38,7 +38,7 @@ struct Column {
 struct Spacing {
   std::size_t gap = 2;
   std::size_t narrowest = 8;  ///< no cell with several words is made narrower
-  bool one_line = false;      ///< a row is one line, whatever does not fit
+  bool one_line = false;      ///< a row is one line, cut where it does not fit
 };
 
 class Table {

@@ -41,7 +41,7 @@ void join(std::string& all, std::string_view next, std::string_view between = ",
 /// Without their ends.
 [[nodiscard]] std::vector<std::string_view> lines_of(std::string_view text);
 
-/// At most so many columns, "…" at the end of what was cut; 0: as it is.
+/// At most so many columns, with "…" at the end of a text that was cut; 0: as it is.
 [[nodiscard]] std::string cut(std::string_view text, std::size_t width);
 
 /// The beginning of a text, up to a blank: as many words as fit, and at least one.
@@ -70,7 +70,8 @@ void join(std::string& all, std::string_view next, std::string_view between = ",
 /// "[2]" with its place where the guard has none, "[else]"; empty: always.
 [[nodiscard]] std::string mark_of_transition(const Json& transitions, std::size_t index);
 
-/// The keys of an object, or of all objects in an array: what people look for first, then a to z.
+/// The keys of an object, or of all objects in an array: the keys that people look for first, then
+/// a to z.
 [[nodiscard]] std::vector<std::string> keys_in_order(const Json& value);
 
 /// A number of nanoseconds, counts and so on: 0 where the member is absent or of another type.

@@ -78,12 +78,12 @@ int run_batch(Session& session, const Pace& pace) {
     next += pace.interval;
     if (const auto fault = watched.ask(session)) return session.fail(*fault);
     print(session, watched, arranged(watched.rows(), {}));
-    if (!session.screen.out.good()) return 1;  // nobody reads it any more
+    if (!session.screen.out.good()) return 1;  // no program reads it any more
   }
   return 0;
 }
 
-/// The picture on the terminal, and what the keys make of it.
+/// The picture on the terminal, and its changes by keys.
 class LiveTop {
  public:
   LiveTop(Session& session, const Pace& pace) : session_(session), pace_(pace) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// mauvectl top without its terminal: what is shown, and what keys do. Pure.
+/// mauvectl top without its terminal: the screen, and the effects of keys. Pure.
 #pragma once
 
 #include <array>
@@ -83,7 +83,7 @@ struct Key {
   Kind kind = Kind::character;
   char character = 0;
 };
-/// Keys as a terminal sends them; what is none is left out.
+/// Keys as a terminal sends them; other bytes are left out.
 [[nodiscard]] std::vector<Key> keys_in(std::string_view bytes);
 /// `rows` as arranged.
 void press(TopView& view, const Key& key, const std::vector<TopRow>& rows);

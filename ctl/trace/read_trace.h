@@ -14,7 +14,7 @@ namespace mauve::ctl {
 
 enum class Live {
   newest,  ///< the trace that is on, else the one that ended last
-  now,     ///< what happens now: the trace that is on, else the flight recorder
+  now,     ///< the present: the trace that is on, else the flight recorder
 };
 
 /// The recording of this name, page by page; without a name the live trace.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// trace: begin and end one, see what there is, and bring it into a file.
+/// trace: begin and end one, list those that there are, and write one to a file.
 #include <chrono>
 #include <string>
 #include <variant>
