@@ -38,7 +38,7 @@ int wrong_use(const char* text) {
   return kWrongUse;
 }
 
-/// -1, and it has said why.
+/// Reports the error and returns -1.
 int failed(const char* doing, const char* path) {
   say("cannot %s %s: %s.", doing, path, std::strerror(errno));
   return -1;
@@ -58,7 +58,7 @@ bool is_free(const sockaddr_un& address) {
   return true;
 }
 
-/// The socket that a mauved connects to; -1: it has said why there is none.
+/// The socket that a mauved connects to; -1: there is none, and the error is reported.
 int listen_at(const char* path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;

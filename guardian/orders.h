@@ -31,8 +31,8 @@ class Orders {
   void drop(std::uint32_t slot);
   void drop_all();
   [[nodiscard]] std::uint32_t count() const;
-  /// Sends each order as often and as far apart as it says, without waiting for any device; what
-  /// has not gone out after kMostTimeMs is dropped. Each one that did not is named on standard error.
+  /// Sends each order as often and as far apart as it requires, without waiting for any device. An
+  /// order that has not gone out after kMostTimeMs is dropped, and named on standard error.
   Sent send();
 
  private:

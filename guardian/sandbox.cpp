@@ -22,7 +22,7 @@
 namespace mauve::guardian {
 namespace {
 
-constexpr int kPriority = 97;  // mauved: components up to 94, the guard 95, last words 96
+constexpr int kPriority = 97;  // mauved: components up to 94, the guard 95, the crash handler 96
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool kSanitized = true;

@@ -5,8 +5,8 @@
 namespace mauve::guardian {
 
 /// Locks all memory, asks for SCHED_FIFO above all threads of mauved but its probes, and for the
-/// last place before the killer of a kernel without memory. Reports on standard error what is not
-/// permitted; the guardian works without it, but later.
+/// last place before the killer of a kernel without memory. Reports refusals on standard error; the
+/// guardian works without these rights, but later.
 void become_urgent();
 
 /// From now on only the system calls that a session makes; all others fail with EPERM. Not in a

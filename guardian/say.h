@@ -5,7 +5,7 @@
 namespace mauve::guardian {
 
 /// "mauve-guardian: TEXT", as printf(3) writes it, without control characters, cut at 500. Takes no
-/// memory. A line for which there is no room now is lost, so that nobody is waited for.
+/// memory. A line for which there is no room now is lost, so that the guardian waits for no reader.
 [[gnu::format(printf, 1, 2)]] void say(const char* format, ...);
 
 }  // namespace mauve::guardian

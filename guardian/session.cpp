@@ -22,11 +22,11 @@ namespace mauve::guardian {
 namespace {
 
 constexpr std::int64_t kBetweenLooks = 10 * kMillisecond;
-/// A look that came later was held up itself: the rest of that time accuses nobody.
+/// A look that came later was held up itself: the rest of that time counts against no mauved.
 constexpr std::int64_t kOnTime = 2 * kBetweenLooks;
-/// A stranger that says nothing keeps no mauved waiting.
+/// A silent stranger keeps no mauved waiting for longer.
 constexpr std::int64_t kToGreet = kSecond;
-/// Until a process that ends has ended: what its other threads were writing is written then.
+/// Until a process that ends has ended: then its other threads have ended their writes.
 constexpr int kToBeGoneMs = 500;
 
 /// The first descriptor that came along; others are closed. -1: none.
@@ -125,7 +125,7 @@ Session::Over Session::look() {
     }
   }
   const bool gone = page_ != nullptr && peer_.gone();
-  const Over over = serve();  // also of one that is gone: it may have said so
+  const Over over = serve();  // also of one that is gone: its goodbye may be there
   if (gone && over != Over::in_order) {
     cause_ = "ended without having said so";
     return Over::ended;
@@ -201,8 +201,8 @@ void Session::answer(const wire::Request& request, const char* refused) const {
   if (::send(socket_, &answer, sizeof answer, MSG_DONTWAIT | MSG_NOSIGNAL) < 0) return;
 }
 
-/// A silence counts as far as this process looked on time itself: a machine that stood still
-/// accuses nobody.
+/// A silence counts as far as this process looked on time itself: a machine that stood still is no
+/// silence of mauved.
 void Session::watch_beats() {
   const std::int64_t time = now();
   const std::int64_t passed = std::min(time - looked_, kOnTime);

@@ -10,7 +10,7 @@
 namespace mauve::guardian {
 
 /// Watches the process at the other end of a socket, and sends its orders when it ends without
-/// having said so, or falls silent. One thread; takes no memory.
+/// notice, or falls silent. One thread; takes no memory.
 class Session {
  public:
   /// Of a SOCK_SEQPACKET socket, which the session closes.
@@ -39,7 +39,7 @@ class Session {
   Peer peer_;
   Orders orders_;
   const wire::Page* page_ = nullptr;  // null: it has not greeted yet
-  std::uint32_t owner_ = 0;           // what its futex says while it lives
+  std::uint32_t owner_ = 0;           // the value of its futex while it lives
   mutable bool spoilt_ = false;       // the page is not believed any more
   std::int64_t limit_ = 0;            // a silence that is an end; 0: none is
   std::uint64_t beats_ = 0;           // the last that was seen; 0: none yet
