@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Plugin "drivers": what moves and measures, real and simulated.
+/// Plugin "drivers": actuators and sensors, real and simulated.
 #include "parts.h"
 
 MAUVE_PLUGIN(plugin) {

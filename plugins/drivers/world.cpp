@@ -57,7 +57,7 @@ constexpr double kGroundAltitude = 151.0;
 
 class WorldCore final : public mauve::Core<mauve::EmptyShell> {
  public:
-  /// [rt] Drives on for `seconds` and returns what the wheels measured.
+  /// [rt] Drives on for `seconds` and returns the odometry of the wheels.
   Odometry drive(Velocity command, double seconds) {
     state_->robot.drive(command, {speed_disturbance, turn_disturbance}, seconds);
     const Pose2D& pose = state_->robot.pose();
@@ -79,7 +79,7 @@ class WorldCore final : public mauve::Core<mauve::EmptyShell> {
     return scan;
   }
 
-  /// [rt] What the antenna receives.
+  /// [rt] The fix of the antenna.
   GnssFix antenna() {
     const Pose2D& pose = state_->robot.pose();
     const double east = origin_.x + pose.x + state_->random.normal(gnss_noise);
@@ -97,8 +97,8 @@ class WorldCore final : public mauve::Core<mauve::EmptyShell> {
     return fix;
   }
 
-  /// [rt] What the inertial unit measures. The simulated wheels reach their speed at once, so only
-  /// the curve is felt.
+  /// [rt] The measurement of the inertial unit. The simulated wheels reach their speed at once, so
+  /// only the curve is felt.
   Imu imu() {
     const Odometry& moves = state_->robot.odometry();
     Imu imu;

@@ -9,7 +9,7 @@ namespace guidance {
 namespace {
 
 constexpr double kQuarter = std::numbers::pi / 2.0;
-constexpr double kSteepest = std::numbers::pi / 3.0;  // away from what is too near
+constexpr double kSteepest = std::numbers::pi / 3.0;  // away from an obstacle that is too near
 constexpr double kBeside = std::numbers::pi / 6.0;    // so far on the other side is still ahead
 constexpr int kMostTurns = 8;                         // from one obstacle on to the next
 
@@ -57,8 +57,8 @@ double tangent(const Obstacle& obstacle, double distance, int side) {
   return obstacle.bearing + side * (kQuarter - tilt);
 }
 
-/// The one that is gone round: the nearest that is not on the other side of the robot, else what is
-/// in the way. Looking at one side only, the robot does not waver between two.
+/// The obstacle that is gone round: the nearest that is not on the other side of the robot, else
+/// the one in the way. Looking at one side only, the robot does not waver between two.
 const Obstacle* gone_round(const View& view, double heading, int side) {
   const Obstacle* nearest = nullptr;
   for (const Obstacle& obstacle : view.obstacles) {

@@ -25,13 +25,13 @@ struct ControlShell : mauve::Shell {
   mauve::WritePort<Velocity> command{*this, "command", mauve::Safe{Velocity{}}};
 };
 
-/// The contract: what the state machine calls. A core overrides steer().
+/// The contract: the functions that the state machine calls. A core overrides steer().
 class GuidanceCore : public mauve::Core<ControlShell> {
  public:
   using Contract = GuidanceCore;
   static constexpr const char* contract = "guidance/core/1";
 
-  mauve::State<Guidance> state{*this};  // what survives a change: shared by all guidance cores
+  mauve::State<Guidance> state{*this};  // survives a change: shared by all guidance cores
   mauve::Property<double> tolerance{
       *this, "tolerance", 0.15, "arrived when this near", {.unit = "m", .min = 0.01, .max = 10.0}};
   mauve::Observable<double> distance_to_goal{*this, "distance_to_goal", 0.0,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Core "guidance/finite_time": straight to the goal, round what is in the way. For open ground and
-/// distant goals. Example: mauvectl swap-core control guidance/finite_time --set speed=1.0
+/// Core "guidance/finite_time": straight to the goal, round obstacles in the way. For open ground
+/// and distant goals. Example: mauvectl swap-core control guidance/finite_time --set speed=1.0
 ///
-/// The law and where it comes from: avoidance.h.
+/// The law and its source: avoidance.h.
 #include "avoidance.h"
 #include "cores.h"
 

@@ -45,8 +45,8 @@ struct Guidance {
   }
 };
 
-/// Another goal, while driving: whoever is going round an obstacle decides anew. A goal that only
-/// moves a little is the same one. [rt]
+/// Another goal, while driving: a robot that is going round an obstacle decides anew. A goal that
+/// only moves a little is the same one. [rt]
 inline void aim_at(const Point2D& goal, Guidance& state) {
   constexpr double kSame = 0.2;     // m
   constexpr double kLongAgo = 1e3;  // s

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Component kind "guidance/mission": says where to go, until there is a planner.
-/// Example: mauvectl set 'mission.core.goal={"x":8,"y":4}'
+/// Component kind "guidance/mission": gives the goal, until there is a planner. Example: mauvectl
+/// set 'mission.core.goal={"x":8,"y":4}'
 #include "cores.h"
 
 namespace guidance {

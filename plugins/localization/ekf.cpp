@@ -18,7 +18,7 @@ constexpr double kStep = 0.1;      // s of one step of a longer prediction
 constexpr int kMostSteps = 60;
 constexpr double kUnknownHeading = std::numbers::pi * std::numbers::pi;
 constexpr double kFar = 20.0;          // gates away, the filter is not turned but placed
-constexpr double kSharpest = 1e-3;     // m, of a position, whatever it says
+constexpr double kSharpest = 1e-3;     // m, of a position, even if it claims less
 constexpr double kUnknownPlace = 1e8;  // m^2
 
 /// Beyond these variances nothing is known anyway, and numbers shall stay comparable.
@@ -105,7 +105,7 @@ bool inside(const Parameters& p, const Innovation<N>& innovation) {
   return p.gate <= 0.0 || innovation.nis <= p.gate * kGate[N];
 }
 
-/// Joseph's form: stays positive whatever the gain.
+/// Joseph's form: stays positive with any gain.
 template <int N>
 void apply(const Innovation<N>& innovation, Estimate& estimate) {
   const Eigen::Map<Matrix> covariance = covariance_of(estimate);
@@ -119,7 +119,7 @@ void apply(const Innovation<N>& innovation, Estimate& estimate) {
         estimate);
 }
 
-/// Corrects by what is no position; outside the gate it only counts.
+/// Corrects by a measurement other than a position; outside the gate it is only counted.
 template <int N>
 void take(const Parameters& p, const Innovation<N>& innovation, Estimate& estimate) {
   if (inside(p, innovation)) {
@@ -167,7 +167,7 @@ Innovation<2> innovation(const Parameters& p, const Position& position, const Es
                        Column<2>::Constant(position.variance));
 }
 
-/// The antenna is at the position, whatever was believed before.
+/// Moves the antenna to the position, regardless of the estimate before.
 void place(const Parameters& p, const Position& position, Estimate& estimate) {
   mean_of(estimate).head<2>() += position.at - antenna_at(p, estimate);
   Matrix covariance = covariance_of(estimate);
@@ -179,7 +179,7 @@ void place(const Parameters& p, const Position& position, Estimate& estimate) {
   estimate.placed = true;
 }
 
-/// The way since the anchor, as the positions say it and as the wheels do, gives the heading.
+/// The way since the anchor, by the positions and by the wheels, gives the heading.
 void align(const Parameters& p, const Position& position, Estimate& estimate) {
   const double variance = 2.0 * position.variance;
   const Column<2> anchor(estimate.anchor.x, estimate.anchor.y);

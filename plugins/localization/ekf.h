@@ -19,7 +19,7 @@
 
 namespace localization {
 
-/// Noises are deviations; those that grow with time or way say so in their unit.
+/// Noises are deviations; the unit of those that grow with time or way shows that.
 struct Parameters {
   double acceleration = 1.0;       ///< m/s^2/sqrt(Hz), unknown to the filter
   double turn_acceleration = 1.0;  ///< rad/s^2/sqrt(Hz)
@@ -33,7 +33,7 @@ struct Parameters {
   double twist_angular = 0.05;  ///< rad/s
   double gyroscope = 0.01;      ///< rad/s
   double compass = 0.05;        ///< rad
-  double position = 2.5;        ///< m, of poses that do not say theirs
+  double position = 2.5;        ///< m, of poses without one of their own
   rover::Point2D antenna;       ///< m, in the robot's frame
 
   double gyro_bias = 0.02;   ///< rad/s, at first

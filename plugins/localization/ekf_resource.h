@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Resource kind "localization/ekf" (paper 5.3, Listing 7): the filter in the threads of those who
-/// measure and of those who ask, one at a time. Services update_imu, update_pose, update_twist,
-/// predict, predict_at, and `pose` for readers of pose2d/1.
-/// Example: mauvectl get localization.core.dispersion localization.core.rejected_recently
+/// Resource kind "localization/ekf" (paper 5.3, Listing 7): the filter on the threads of its
+/// callers, those that measure and those that read, one at a time. Services update_imu,
+/// update_pose, update_twist, predict, predict_at, and `pose` for readers of pose2d/1. Example:
+/// mauvectl get localization.core.dispersion localization.core.rejected_recently
 ///
 /// Asking never moves the estimate. Before the filter knows a place `predict` has no data; `pose`
 /// has none either without a heading, or when nothing was measured for `blind_after`.
@@ -32,10 +32,10 @@ class EkfCore final : public mauve::Core<mauve::EmptyShell> {
 
   /// [rt] Now.
   std::optional<rover::MotionState> predict();
-  /// [rt] At that time on the monotonic clock, s; 0: now. A state of time 0 says that there is
+  /// [rt] At that time on the monotonic clock, s; 0: now. A state of time 0 means that there is
   /// none.
   rover::MotionState predict_at(double time);
-  /// [rt] Now, for who only wants to know where.
+  /// [rt] Now, for callers that need the pose only.
   std::optional<rover::Pose2D> pose();
 
  private:

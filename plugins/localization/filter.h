@@ -15,7 +15,7 @@ namespace localization {
 /// A measurement as it is kept for a replay; a variant is plain bytes too.
 using Measurement = std::variant<rover::Twist, rover::Imu, rover::Pose>;
 
-/// Measurements of the last moments, each with what was known after it.
+/// Measurements of the last moments, each with the estimate after it.
 struct Memory {
   static constexpr std::size_t kCapacity = 128;
   struct Entry {

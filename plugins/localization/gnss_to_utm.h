@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Resource kind "localization/gnss_to_utm": turns what a receiver says into metres in the local
-/// frame and writes it on, under its lock, to the resource that its port is connected to.
+/// Resource kind "localization/gnss_to_utm": turns the fix of a receiver into metres in the local
+/// frame. It writes the result, under its lock, to the resource that its port is connected to.
 /// Example: connect gnss.ports.fix gnss_to_utm.fix; connect gnss_to_utm.ports.pose
 /// localization.update_pose
 ///

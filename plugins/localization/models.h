@@ -22,10 +22,10 @@ enum Index : unsigned char {
   kHeading,    ///< rad, anticlockwise from x
   kSpeed,      ///< m/s, forward
   kTurn,       ///< rad/s, anticlockwise
-  kGyroBias,   ///< rad/s, that the gyroscope says too much
-  kScale,      ///< share of the speed that the wheels say too much
-  kTurnScale,  ///< share of the turn rate that the wheels say too much
-  kCurvature,  ///< rad/m, that the wheels say too much
+  kGyroBias,   ///< rad/s, that the gyroscope measures too much
+  kScale,      ///< share of the speed that the wheels measure too much
+  kTurnScale,  ///< share of the turn rate that the wheels measure too much
+  kCurvature,  ///< rad/m, that the wheels measure too much
   kStates,
 };
 

@@ -16,7 +16,7 @@ constexpr double kFarthestMeridian = 15.0;  // deg
 double middle_of(Zone zone) { return 6.0 * zone.number - 183.0; }
 double north_of(Zone zone) { return zone.south ? kFalseNorthing : 0.0; }
 
-/// False for what is not a number, too.
+/// False for a value that is not a number, too.
 bool covered(const Geographic& position) {
   return position.latitude >= -80.0 && position.latitude <= 84.0 &&
          std::abs(position.longitude) <= 360.0;

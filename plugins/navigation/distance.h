@@ -19,7 +19,7 @@ class Distances {
 
   /// Makes room for any map. [factory]
   Distances();
-  /// From cells in which solid(index) holds; with `border`, what is outside is solid. [rt]
+  /// From cells in which solid(index) holds; with `border`, cells outside are solid. [rt]
   template <typename F>
   void measure(const Frame& frame, bool border, F&& solid) {
     for (std::size_t i = 0; i < frame.size(); ++i) squared_[i] = solid(i) ? 0 : kFar;

@@ -63,7 +63,7 @@ class Frame {
     return {origin_.x + resolution_ * (cosine_ * at.x - sine_ * at.y),
             origin_.y + resolution_ * (sine_ * at.x + cosine_ * at.y)};
   }
-  /// False also for what is not a number. [rt]
+  /// False also for a cell that is not a number. [rt]
   [[nodiscard]] bool inside(const Point2D& cell) const {
     return cell.x >= 0.0 && cell.y >= 0.0 && cell.x < width_ && cell.y < height_;
   }

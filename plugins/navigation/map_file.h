@@ -35,7 +35,8 @@ struct MapImage {
   std::vector<std::uint8_t> levels;  ///< 0 to 255, the top row first
 };
 
-/// Reads both files. Says file, line and what is wrong. `time` of the grid stays. [factory]
+/// Reads both files. An error names the file, the line and the problem. `time` of the grid stays.
+/// [factory]
 [[nodiscard]] mauve::Status load_map(const std::string& file, OccupancyGrid& into);
 /// Writes FILE.yaml and FILE.pgm, if `file` is "FILE.yaml". Cells of 0, 100 and -1 are read again
 /// as they were; of others those below 20 become free, those above 65 occupied. [factory]

@@ -5,8 +5,8 @@
 ///
 /// It plans anew when the robot has strayed from the path or does not get on, and for another goal
 /// or map. It also does when the scan shows an obstacle on the path that is not on the map. When
-/// there is no way the target is where the robot is, so it stands; `answer` says why, and it tries
-/// again every `fsm.retry`. A plan takes as long as the map is large (README.md): give the
+/// there is no way the target is where the robot is, so it stands; `answer` has the reason, and it
+/// tries again every `fsm.retry`. A plan takes as long as the map is large (README.md): give the
 /// component a priority below all components with a short deadline.
 #pragma once
 

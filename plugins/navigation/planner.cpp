@@ -105,8 +105,8 @@ Answer Planner::plan(const Point2D& start, const Point2D& goal, Path& path) {
   return Answer::too_winding;
 }
 
-/// Out of what is too near, by the shortest way that touches nothing; `from` and `start` are where
-/// it ends.
+/// Leads away from obstacles that are too near, by the shortest way that touches nothing; `from`
+/// and `start` are its end.
 Answer Planner::leave(Point2D& from, std::uint32_t& start, Path& path) {
   if (is_free(start)) return Answer::found;
   const auto passable = [this](std::size_t cell) { return !solid(cell); };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Planner: the shortest way through a map that keeps away from what is occupied.
+/// Planner: the shortest way through a map that keeps away from occupied cells.
 ///
 /// A* (Hart, Nilsson and Raphael 1968) on the 8-connected grid. The costs are whole numbers, 12 and
 /// 17 (17 / 12 is the root of two but for 0.2 %). So the open cells lie in 64 buckets, and no step
@@ -25,7 +25,7 @@ namespace navigation {
 using rover::Path;
 
 struct PlannerLimits {
-  double keep_away = 0.45;       ///< m from what is occupied: the robot's radius and a margin
+  double keep_away = 0.45;       ///< m from occupied cells: the robot's radius and a margin
   bool through_unknown = false;  ///< unknown cells are driven through; else they are as occupied
 
   static auto parameters() {
@@ -42,8 +42,8 @@ enum class Answer : std::uint8_t {
   found,
   no_map,        ///< none, or cells smaller than 1/64 of keep_away
   outside,       ///< the start or the goal is not on the map, or not a number
-  goal_blocked,  ///< nearer than keep_away to what is occupied
-  enclosed,      ///< the start is in what is occupied, or nothing free is near it
+  goal_blocked,  ///< nearer than keep_away to an occupied cell
+  enclosed,      ///< the start is occupied, or nothing free is near it
   no_way,
   too_winding,  ///< more way points than a path has room for
 };
@@ -71,8 +71,8 @@ class Planner {
   /// To the centre of the next occupied cell of the map, m; obstacles do not count. 0 outside.
   [[nodiscard]] double clearance(const Point2D& at) const;
 
-  /// Something that is not on the map, until this time; kept away from like what is. Nothing
-  /// happens when it is known, outside, or there are kObstacles.
+  /// Something that is not on the map, until this time; the path keeps away from it as from
+  /// occupied cells. Nothing happens when it is known, outside, or there are kObstacles.
   void block(const Point2D& at, double until);
   /// Forgets the obstacles whose time is over.
   void forget(double now);

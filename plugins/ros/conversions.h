@@ -35,7 +35,7 @@ struct Heap : std::allocator<T> {
 
 /// Specialised below: the message, and both ways. `from` leaves `time` to its caller; false:
 /// refused, the value may be half written. `kDepth` values may wait for the ROS thread; `kLatched`
-/// topics show their last value to who comes later.
+/// topics show their last value to later subscribers.
 template <typename T>
 struct RosMessage;
 
@@ -106,7 +106,7 @@ struct RosMessage<rover::Imu> {
 };
 
 /// Refused: without cells, with more than an OccupancyGrid holds, or with another number of them
-/// than it says.
+/// than its info has.
 template <>
 struct RosMessage<rover::OccupancyGrid> {
   using Type = nav_msgs::OccupancyGrid_<Heap<void>>;

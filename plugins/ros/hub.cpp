@@ -131,7 +131,7 @@ class Hub {
     }
   }
 
-  /// Those who came and went meanwhile; false: nobody is left.
+  /// Takes in the channels that came, and lets go those that left; false: none is left.
   bool take_members() {
     std::vector<std::shared_ptr<Channel>> joining;
     {
@@ -174,7 +174,7 @@ class Hub {
 
   Master look_for_master() {
     if (!ros::isInitialized()) initialise();
-    // Somebody ended the node (rosnode kill, or another one of its name): that is an order.
+    // The node was ended (rosnode kill, or another one of its name): that is an order.
     if (ros::isStarted() && !ros::ok()) return Master::away;
     if (!ros::master::check()) return Master::away;
     if (!node_handle_) {

@@ -17,7 +17,7 @@ class NodeHandle;
 
 namespace ros_bridge {
 
-/// One topic. All calls are the ROS thread's, unless they say otherwise.
+/// One topic. All calls are the ROS thread's, unless another thread is named.
 class Channel {
  public:
   virtual ~Channel() = default;
@@ -25,12 +25,12 @@ class Channel {
   /// Advertises or subscribes; again after close(). May wait for the master, and throw.
   virtual void open(ros::NodeHandle& node) = 0;
   virtual void close() = 0;
-  /// Publishes what waits. Some hundred times a second, with or without a master.
+  /// Publishes the values that wait. Some hundred times a second, with or without a master.
   virtual void pump() {}
   /// Shows counters to the resource.
   virtual void report(bool connected) = 0;
 
-  /// Nobody is shown anything from now on, and the topic will be closed. [factory]
+  /// From now on no value is published or shown, and the topic will be closed. [factory]
   void leave() {
     const std::lock_guard lock(mutex_);
     wanted_ = false;
@@ -59,7 +59,7 @@ struct Node {
 };
 
 /// The node of these properties; an empty master is that of the environment (ROS_MASTER_URI), or
-/// the one of this machine. Refused: what roscpp would end the process for. [factory]
+/// the one of this machine. Refused: values for which roscpp would end the process. [factory]
 mauve::Result<Node> node_of(const mauve::Property<std::string>& name,
                             const mauve::Property<std::string>& master);
 

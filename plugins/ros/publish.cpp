@@ -50,7 +50,7 @@ class OutChannel final : public Channel {
 
   void open(ros::NodeHandle& node) override {
     publisher_ = node.advertise<Message>(topic_, kQueue, RosMessage<T>::kLatched);
-    // A new master, or one that came late: who asks now gets what was said before.
+    // A new master, or one that came late: its subscribers get the last message.
     if (RosMessage<T>::kLatched && any_) publisher_.publish(message_);
   }
   void close() override { publisher_.shutdown(); }

@@ -55,7 +55,7 @@ class Pilot final : public mauve::Core<PilotShell> {
     state->zone = static_cast<std::uint8_t>(now);
     zone = static_cast<int>(state->zone);
   }
-  /// [rt] states clear, slow and stop: hand on what is safe.
+  /// [rt] states clear, slow and stop: hand on the command, as far as it is safe.
   void pass() { hand_on(Zone::clear); }
   void halve() { hand_on(Zone::slow); }
   void stop() { hand_on(Zone::stop); }

@@ -43,10 +43,10 @@ struct Limits {
 /// Range of the nearest return in the corridor ahead; range_max when there is none. [rt]
 [[nodiscard]] double free_way(const rover::LaserScan& scan, double half_width);
 
-/// Does the scan say nothing about the way? It does when no beam is a return, and no beam looked as
-/// far as range_max and found nothing. An empty scan, or one of error codes only, comes from a
-/// scanner that is covered, dazzled or broken. A scan whose geometry is not a number says nothing
-/// either. [rt]
+/// Is the scan without information about the way? It is when no beam is a return, and no beam
+/// looked as far as range_max and found nothing. An empty scan, or one of error codes only, comes
+/// from a scanner that is covered, dazzled or broken. So is a scan whose geometry is not a number.
+/// [rt]
 [[nodiscard]] bool blind(const rover::LaserScan& scan);
 
 /// The zone that follows `before` with that much free way. [rt]

@@ -16,7 +16,7 @@ struct Area {
   rover::Point2D high;
 };
 
-constexpr int kNowhere = -1;  ///< nobody knows where the robot is
+constexpr int kNowhere = -1;  ///< the place of the robot is unknown
 constexpr int kOutside = 0;   ///< in none of the areas
 
 /// The number of the first area that holds the pose, from 1. The area `before` is left only when

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Plugin "supervision". Component kind "supervision/supervisor": watches the robot for the rules
-/// of its architecture, which change the system (paper 5.4). It says in which of some areas the
+/// of its architecture, which change the system (paper 5.4). It shows in which of some areas the
 /// robot is (areas.h), and whether it gets on towards its goal (progress.h); it moves nothing.
 /// Example: mauvectl get supervisor.core.area
 #include <cstdint>

@@ -8,7 +8,7 @@
 namespace teleop {
 namespace {
 
-/// Sticks count from BTN_JOYSTICK, gamepads from BTN_GAMEPAD; what has more goes on at 16.
+/// Sticks count from BTN_JOYSTICK, gamepads from BTN_GAMEPAD; further buttons count on from 16.
 std::optional<unsigned> button_of(std::uint16_t code) {
   if (code >= BTN_JOYSTICK && code < BTN_JOYSTICK + 16) return code - BTN_JOYSTICK;
   if (code >= BTN_GAMEPAD && code < BTN_GAMEPAD + 16) return code - BTN_GAMEPAD;
@@ -94,7 +94,7 @@ bool EventReader::finish(std::uint16_t code) {
   }
   if (code != SYN_REPORT) return false;
   if (skipping_) {
-    // Nobody knows what is held now. Letting go stops the robot, or gives it back.
+    // The buttons that are held now are unknown. Letting go stops the robot, or gives it back.
     begin();
     dropped_ = true;
     return true;

@@ -98,7 +98,7 @@ void InputDevice::ask() {
   if (::ioctl(device_.number(), EVIOCGKEY(keys.size()), keys.data()) < 0) return;
   for (std::size_t axis = 0; axis < EventReader::kAxisCodes.size(); ++axis) {
     input_absinfo facts{};
-    // An axis that the device does not have says nothing, or an empty range.
+    // An axis that the device does not have gives an error, or an empty range.
     if (::ioctl(device_.number(), EVIOCGABS(EventReader::kAxisCodes[axis]), &facts) < 0) continue;
     const auto at = static_cast<std::uint16_t>(axis);
     say(Mark::kType, Mark::kLowest + at, facts.minimum);

@@ -23,15 +23,15 @@ namespace teleop {
 struct Mark {
   static constexpr std::uint16_t kType = 0xffff;
   static constexpr std::uint16_t kThere = 0;        ///< from here on it is there, all let go
-  static constexpr std::uint16_t kGone = 1;         ///< nobody writes into the FIFO any more
-  static constexpr std::uint16_t kLowest = 0x100;   ///< and axis: the least it says
-  static constexpr std::uint16_t kHighest = 0x200;  ///< and axis: the most
+  static constexpr std::uint16_t kGone = 1;         ///< no program writes into the FIFO any more
+  static constexpr std::uint16_t kLowest = 0x100;   ///< and axis: its smallest value
+  static constexpr std::uint16_t kHighest = 0x200;  ///< and axis: its largest value
 };
 
 class InputDevice final : public drivers::LineEnd {
  public:
-  /// The path that reopen() opens; while nobody writes into a FIFO it is looked for each `retry`.
-  /// [factory]
+  /// The path that reopen() opens; while no program writes into a FIFO, it is opened anew each
+  /// `retry`. [factory]
   void choose(const std::string& path, std::chrono::nanoseconds retry);
 
   [[nodiscard]] int number() const override { return device_.number(); }
@@ -40,7 +40,7 @@ class InputDevice final : public drivers::LineEnd {
   /// It is only read.
   [[nodiscard]] std::ptrdiff_t write(std::string_view bytes) const override;
   void close() override { device_ = drivers::Descriptor(); }
-  /// Opens it, and then lets go of what was open before.
+  /// Opens it, and then closes the one that was open before.
   bool reopen() override;
   [[nodiscard]] std::string name() const override { return path_; }
 
@@ -61,13 +61,13 @@ class InputDevice final : public drivers::LineEnd {
   std::chrono::nanoseconds retry_{};
   std::chrono::steady_clock::time_point opened_;
   bool terminal_ = false;
-  bool file_ = false;  // from its beginning it would repeat what was
+  bool file_ = false;  // from its beginning it would repeat old events
   bool there_ = false;
   bool dropping_ = false;  // the kernel lost events; until the next report
 
   std::array<char, sizeof(input_event)> part_{};
   std::size_t part_size_ = 0;
-  /// One that appears is asked, and again when it lost some of what it says then.
+  /// A device that appears is asked for its state, and again when some of the answer was lost.
   std::array<input_event, 1 + kAnswer + kAtOnce + kAnswer> said_{};
   std::size_t said_size_ = 0;
   std::size_t handed_ = 0;  // bytes of these

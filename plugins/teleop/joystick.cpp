@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Component kind "teleop/joystick": the events of a Linux input device, read from
-/// /dev/input/event*, a FIFO or a pseudo-terminal; one write to port `joystick` each period.
-/// A device that is missing or goes away is looked for again every `retry`; meanwhile the joystick
-/// written says that it is not connected. A thread of its own (drivers/serial/line_thread.h) opens
-/// and reads the device, so that a job makes no system call for it. Example: mauvectl watch
+/// /dev/input/event*, a FIFO or a pseudo-terminal; one write to port `joystick` each period. A
+/// device that is missing or goes away is looked for again every `retry`; meanwhile the joystick
+/// that is written is marked as not connected. A thread of its own (drivers/serial/line_thread.h)
+/// opens and reads the device, so that a job makes no system call for it. Example: mauvectl watch
 /// teleop.core.steering joystick.core.connected
 #include <array>
 #include <chrono>
@@ -34,7 +34,7 @@ class JoystickDriver final : public mauve::Core<JoystickShell> {
  public:
   void update() {
     line_.fill(bytes_);
-    const bool open = line_.open();  // what came before it failed is there then
+    const bool open = line_.open();  // then the bytes from before it failed are there
     read();
     if (!open) find();
     Joystick now = reader_.shown();

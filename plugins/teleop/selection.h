@@ -39,7 +39,7 @@ struct Timeouts {
   }
 };
 
-/// All sources; what the priority resource hands over in a change.
+/// All sources; the priority resource hands them over in a change.
 struct Sources {
   Said teleop;
   Said command;

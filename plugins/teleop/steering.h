@@ -41,7 +41,7 @@ struct Controls {
   }
 };
 
-/// The velocity wanted; empty while nobody steers: no joystick, the dead-man button is not held,
+/// The wanted velocity; empty while no person steers: no joystick, the dead-man button is not held,
 /// or, where there is none, both axes rest. An axis that is missing or not a number rests. [rt]
 [[nodiscard]] std::optional<rover::Velocity> steer(const rover::Joystick& joystick,
                                                    const Controls& controls);

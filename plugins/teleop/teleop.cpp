@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Resource kind "teleop/teleop": turns what a joystick says into a velocity, at the moment it is
-/// written to service `joystick`, and writes that to port `velocity`. When the joystick is let go
-/// or goes away, it writes one standstill and then nothing, so that a `teleop/priority` behind it
-/// gives the robot back.
-/// Example: "teleop": { "type": "teleop/teleop", "ports": { "velocity": "priority.teleop" } }
+/// Resource kind "teleop/teleop": turns the state of a joystick into a velocity, at the moment it
+/// is written to service `joystick`, and writes that to port `velocity`. When the joystick is let
+/// go or goes away, it writes one standstill and then nothing, so that a `teleop/priority` behind
+/// it gives the robot back. Example: "teleop": { "type": "teleop/teleop", "ports": { "velocity":
+/// "priority.teleop" } }
 #include <cstdint>
 
 #include "parts.h"

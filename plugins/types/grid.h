@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A map of what is occupied, and a way through it: occupancy_grid/1, path/1.
+/// A map of occupied cells, and a way through it: occupancy_grid/1, path/1.
 #pragma once
 
 #include <cstddef>

@@ -101,8 +101,8 @@ void Robot::drive(const Velocity& command, const Disturbance& disturbance, doubl
              random_.uniform(-disturbance.turn, disturbance.turn)};
     redraw_in_ += kRedraw;
   }
-  // The disturbance stands for what a model leaves out of a moving robot: a standing one has
-  // brakes.
+  // The disturbance stands for effects on a moving robot that a model leaves out: a standing one
+  // has brakes.
   const bool stands = command.linear == 0.0 && command.angular == 0.0;
   const double speed = stands ? 0.0 : command.linear + push_.linear;
   const double turn = stands ? 0.0 : command.angular + push_.angular;

@@ -56,7 +56,7 @@ struct Laser {
 
 class Walls;
 
-/// Fills `scan` with what a laser at `pose` sees; `walls` may be null. [rt]
+/// Fills `scan` as a laser at `pose` sees the map; `walls` may be null. [rt]
 void cast(const Map& map, const Pose2D& pose, const Laser& laser, Random& random, LaserScan& scan,
           const Walls* walls = nullptr);
 
@@ -66,7 +66,7 @@ struct Disturbance {
   double turn = 0.0;   ///< up to, rad/s
 };
 
-/// The robot: true pose, and what its wheels think.
+/// The robot: its true pose, and its odometry.
 class Robot {
  public:
   explicit Robot(std::uint64_t seed, const Pose2D& start = {}) : pose_(start), random_(seed) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Component kind "drivers/create": shell, contract and state machine of a base that receives
-/// velocities and streams what its wheels do. Another protocol is another core of this contract.
+/// velocities and streams the motion of its wheels. Another protocol is another core of this
+/// contract.
 #pragma once
 
 #include <mauve/plugin.h>

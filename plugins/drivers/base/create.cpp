@@ -132,8 +132,8 @@ class CreateOi final : public BaseCore {
     return any;
   }
 
-  /// The stream is the clock, a damaged frame is a period too; after a gap it is ours, less what a
-  /// frame may have been under way. False when there is nothing to publish.
+  /// The stream is the clock, a damaged frame is a period too. After a gap the clock is ours, less
+  /// the time that a frame may have been under way. False when there is nothing to publish.
   bool take_report(mauve::Instant now) {
     constexpr double kUnderWay = 0.05;
     const create::Report& report = state->reports.report();

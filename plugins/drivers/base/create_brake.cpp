@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Resource kind "drivers/create_brake": orders a Create 2 to stand, whatever is written to it, on
+/// Resource kind "drivers/create_brake": orders a Create 2 to stand at each write of any value, on
 /// a descriptor of its own. Connect port `brake` of "drivers/create" to `write`: nothing is written
 /// while the driver works. When the driver is stopped or faulted, and when the process ends, the
 /// runtime writes the safe value. So the base stops, which else would drive on.
@@ -75,7 +75,7 @@ class CreateBrake final : public mauve::Core<mauve::EmptyShell> {
 
   std::atomic<std::uint64_t> failures_{0};
   SerialPort port_;    // the thread's
-  SerialPort own_;     // of those who write themselves
+  SerialPort own_;     // for threads that write themselves
   LineThread thread_;  // ends before the port does
 };
 

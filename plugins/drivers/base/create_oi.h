@@ -95,7 +95,7 @@ class CommandReader {
   std::size_t size_ = 0;
   std::size_t left_ = 0;  // data bytes still to come
   Opcode opcode_ = Opcode::start;
-  bool counts_ = false;  // the next byte says how many there are
+  bool counts_ = false;  // the next byte is their number
 };
 
 }  // namespace drivers::create

@@ -9,11 +9,11 @@ namespace drivers {
 
 /// The knowledge about a fix beside the fix itself.
 struct FixContext {
-  double separation = 0.0;  ///< m, geoid above ellipsoid, or whatever else stays as it is
-  bool confirmed = false;   ///< another sentence said the same time and place
-  bool denied = false;      ///< another sentence of a receiver that never did said another place
-  bool dilution_known = false;  ///< another sentence said the same dilution
-  bool damage = false;          ///< damaged frames came lately: whatever is odd is suspect
+  double separation = 0.0;      ///< m, geoid above ellipsoid, or another value that stays as it is
+  bool confirmed = false;       ///< another sentence had the same time and place
+  bool denied = false;          ///< another sentence had another place; before, they agreed
+  bool dilution_known = false;  ///< another sentence had the same dilution
+  bool damage = false;          ///< damaged frames came lately: odd values are suspect
 };
 
 /// A fix and when it came.
@@ -39,7 +39,7 @@ class FixGate {
   static constexpr int kStubborn = 6;     ///< that many: as good, on a line that does damage
 
   /// `now` in seconds of a clock that never jumps; `limit` in m/s, 0 lets everything through. A fix
-  /// without position says nothing of movement and passes; of a damaged line, the second one.
+  /// without position shows no movement and passes; of a damaged line, the second one.
   bool admit(const rover::GnssFix& fix, double now, double limit, const FixContext& context = {});
 
  private:

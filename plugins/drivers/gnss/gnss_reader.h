@@ -22,7 +22,7 @@ class GnssReader {
   static constexpr int kBad = 24;          ///< a line that lacks more of them is a bad one
 
   enum class Event : std::uint8_t {
-    ignored,      ///< says nothing we want, or the same epoch again
+    ignored,      ///< has nothing we use, or the same epoch again
     fix,          ///< an epoch: see fix()
     malformed,    ///< right checksum, but fields that cannot be
     implausible,  ///< an epoch that FixGate refuses

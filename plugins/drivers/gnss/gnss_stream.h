@@ -22,7 +22,7 @@ class GnssStream {
     bad,       ///< something was damaged
   };
 
-  /// Only after next() said `none`.
+  /// Only after next() returned `none`.
   void push(char byte) { messages_.push(static_cast<std::uint8_t>(byte)); }
   Event next();
 

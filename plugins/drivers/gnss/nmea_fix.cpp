@@ -13,7 +13,7 @@ namespace {
 
 using rover::GnssFix;
 
-constexpr int kTrusted = 2;  // that many times RMC or GLL said the same as GGA
+constexpr int kTrusted = 2;  // that many times RMC or GLL agreed with GGA
 
 /// The comma-separated fields of a sentence; field 0 is the address. Beyond the capacity they are
 /// cut.
@@ -79,7 +79,7 @@ double grain_of(std::string_view text) {
   return std::pow(10.0, -static_cast<double>(decimals)) / 60.0;
 }
 
-/// Time and place from these fields of RMC or GLL; of no grain when they say none.
+/// Time and place from these fields of RMC or GLL; of no grain when they have none.
 Witness read_witness(const Fields& fields, std::size_t time, std::size_t place) {
   const auto when = time_of_day(fields[time]);
   const auto latitude = angle(fields[place], fields[place + 1], "NS", 90.0);
@@ -89,7 +89,7 @@ Witness read_witness(const Fields& fields, std::size_t time, std::size_t place) 
           std::max(grain_of(fields[place]), grain_of(fields[place + 2]))};
 }
 
-/// To the digits that both carry: one may have cut what the other rounded.
+/// To the digits that both carry: one may have cut the digits that the other rounded.
 bool same_place(const Witness& said, const GnssFix& fix, double grain) {
   const double most = 1.01 * std::max(said.grain, grain);
   return std::abs(said.latitude - fix.latitude) <= most &&
@@ -100,9 +100,9 @@ bool same_epoch(const Witness& said, const GnssFix& fix) {
   return said.grain > 0.0 && fix.mode > 1 && std::abs(said.time - fix.time) < 1e-3;
 }
 
-/// A measured position from 0 satellites is no fix, whatever its quality: while a receiver
-/// searches, it repeats an old position. Estimated, manual and simulated positions (quality 6 to 8)
-/// need no satellite. An empty field does not state the number.
+/// A measured position from 0 satellites is no fix, of any quality: while a receiver searches, it
+/// repeats an old position. Estimated, manual and simulated positions (quality 6 to 8) need no
+/// satellite. An empty field does not state the number.
 bool without_satellites(const Fields& fields, double quality, double satellites) {
   return !fields[7].empty() && satellites == 0.0 && (quality < 6.0 || quality > 8.0);
 }
@@ -130,8 +130,8 @@ std::optional<GnssFix> parse_gga(const Fields& fields, int dimensions) {
   fix.latitude = *latitude;
   fix.longitude = *longitude;
   fix.altitude = *altitude;
-  // GSA comes after GGA in most receivers, so what we have is of the epoch before: only its "2D" is
-  // worth more than an altitude in this very sentence.
+  // GSA comes after GGA in most receivers, so ours is of the epoch before: only its "2D" is worth
+  // more than an altitude in this very sentence.
   fix.mode = fields[9].empty() || dimensions == 2 ? 2 : 3;
   return fix;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// From NMEA sentences to gnss_fix/1: one fix for each GGA, its dimensions from the last GSA, and
-/// what RMC, GLL and GSA say about it.
+/// its confirmation by RMC, GLL and GSA.
 #pragma once
 
 #include <cstdint>
@@ -11,26 +11,26 @@
 
 namespace drivers {
 
-/// Time and place as RMC or GLL say them.
+/// Time and place as RMC or GLL have them.
 struct Witness {
   double time = 0.0;
   double latitude = 0.0;
   double longitude = 0.0;
-  double grain = 0.0;  // deg, of its last digit; 0: nothing said
+  double grain = 0.0;  // deg, of its last digit; 0: no place
 };
 
-/// Keeps what one sentence says about the next. All of it is [rt].
+/// Keeps the values of one sentence that matter for the next. All of it is [rt].
 class FixReader {
  public:
   enum class Event : std::uint8_t {
-    ignored,    ///< a sentence that says nothing we want
+    ignored,    ///< a sentence without anything we use
     fix,        ///< an epoch: see fix()
     malformed,  ///< right checksum, but fields that cannot be
   };
 
   /// `frame` is the text between `$` and `*`.
   Event read(std::string_view frame);
-  /// The fix of the last epoch, and what else is known of it.
+  /// The fix of the last epoch, and further knowledge of it.
   [[nodiscard]] const rover::GnssFix& fix() const { return fix_; }
   [[nodiscard]] const FixContext& context() const { return context_; }
 

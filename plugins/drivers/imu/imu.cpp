@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Core "drivers/imu_xbus" of component kind "drivers/imu": Xsens MTi, configured to send MTData2
 /// with rate of turn, acceleration and, if its compass is of use, Euler angles, all as
-/// single-precision "ENU". One write to port `imu` for each measurement, stamped with when it was
-/// measured if the unit sends its sample time, else with when it came. Acceleration is what the
-/// unit feels: on a slope a part of gravity is in it.
+/// single-precision "ENU". One write to port `imu` for each measurement, stamped with the time of
+/// the measurement if the unit sends its sample time, else with that of its arrival. Acceleration
+/// is the specific force: on a slope it contains a part of gravity.
 #include "../parts.h"
 #include "imu_driver.h"
 #include "xbus_frame.h"

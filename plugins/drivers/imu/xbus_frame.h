@@ -28,7 +28,7 @@ class XbusStream {
     bad,    ///< something was damaged
   };
 
-  /// Only after next() said `none`.
+  /// Only after next() returned `none`.
   void push(char byte) { frames_.push(static_cast<std::uint8_t>(byte)); }
   Event next();
   /// The whole frame; until the next call of next().

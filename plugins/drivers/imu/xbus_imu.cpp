@@ -63,7 +63,7 @@ struct ImuReader::Sample {
   bool rate = false;
   bool plausible = true;
   bool sizes = true;
-  bool oriented = true;  // its filter says so, or says nothing
+  bool oriented = true;  // its filter reports that, or reports nothing
   bool timed = false;
   std::uint32_t ticks = 0;
 

@@ -33,7 +33,7 @@ class ImuReader {
     ignored,      ///< no rate of turn
     imu,          ///< a measurement: see imu()
     malformed,    ///< right checksum, but lengths that cannot be
-    implausible,  ///< a value is no number, or beyond what any unit measures
+    implausible,  ///< a value is no number, or beyond the range of any unit
   };
 
   /// `now` in seconds of the monotonic clock.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Core "drivers/hokuyo_scip" of component kind "drivers/hokuyo": a Hokuyo scanner that speaks SCIP
-/// 2.0 (scip.h) on a serial device. It is ordered to be quiet (QT), asked what it is (PP), switched
-/// on (BM) and asked for scans without end (MD). One write to port `scan` for each undamaged scan,
-/// its time the monotonic clock. Example: mauvectl get laser.core.empty_scans
+/// 2.0 (scip.h) on a serial device. It is ordered to be quiet (QT), asked for its limits (PP),
+/// switched on (BM) and asked for scans without end (MD). One write to port `scan` for each
+/// undamaged scan, its time the monotonic clock. Example: mauvectl get laser.core.empty_scans
 ///
 /// A value below DMIN is an error code and becomes the range 0, which is no valid return. A value
 /// at or beyond DMAX stays and means that nothing is in sight. A scan of nothing but error codes is
@@ -81,7 +81,7 @@ class HokuyoScip final : public LaserCore {
 
   void ask() override {
     const mauve::Instant now = mauve::job_time();
-    // Started again after a stop: what has piled up meanwhile is too old.
+    // Started again after a stop: the scans that have piled up meanwhile are too old.
     if (measuring() && waiting_since_ != 0 && silent(now)) state->asked = 0;
     if (measuring()) return;
     failed_ = answered_ = false;
@@ -135,7 +135,7 @@ class HokuyoScip final : public LaserCore {
 
   using Event = scip::ReplyReader::Event;
 
-  /// The next thing that the scanner says, or nothing yet.
+  /// The next reply of the scanner, or nothing yet.
   Event next() {
     char byte = 0;
     while (line_.take(state->bytes, byte)) {

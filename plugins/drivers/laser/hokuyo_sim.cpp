@@ -90,7 +90,7 @@ class HokuyoSim final : public mauve::Core<ScannerShell> {
   }
 
   static constexpr std::uint32_t kNothing =
-      65'533;  // what a UTM-30LX says when nothing is in sight
+      65'533;  // the value of a UTM-30LX when nothing is in sight
 
   scip::TextReader heard_;
   scip::ReplyWriter writer_;

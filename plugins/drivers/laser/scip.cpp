@@ -200,7 +200,7 @@ ReplyReader::Event ReplyReader::on_status(std::string_view line) {
   std::copy_n(text->begin(), 2, status_.begin());
   const bool of_scans = command() == "MD" || command() == "MS";
   if (of_scans && status() == "99") {
-    // The echo has no checksum of its own: only what was asked for is believed.
+    // The echo has no checksum of its own: only the echo of the request is believed.
     if (Request::parse({echo_.data(), echo_size_}) != request_) return lose();
     count_ = 0;
     begun_ = 0;

@@ -15,7 +15,7 @@
 
 namespace drivers::scip {
 
-/// Values in a scan, whatever the scanner has: what a LaserScan holds.
+/// Values in a scan of any scanner: as many as a LaserScan holds.
 inline constexpr std::size_t kMostValues = rover::LaserScan::kCapacity;
 /// Characters of data in a line.
 inline constexpr std::size_t kBlock = 64;
@@ -57,11 +57,11 @@ struct Request {
   /// "MD", first and last step, cluster, no turn left out, and how many scans are left (00: no
   /// end). [rt]
   [[nodiscard]] std::array<char, 15> text() const;
-  /// From such a text, whatever its last two digits. [rt]
+  /// From such a text, with any last two digits. [rt]
   [[nodiscard]] static std::optional<Request> parse(std::string_view text);
 };
 
-/// Values as metres with their directions; what is below DMIN becomes 0, which is no valid range.
+/// Values as metres with their directions; a value below DMIN becomes 0, which is no valid range.
 /// [rt]
 void show(const Request& request, const Limits& limits, std::span<const std::uint32_t> values,
           rover::LaserScan& scan);
@@ -95,7 +95,7 @@ class ReplyReader {
     none,   ///< go on
     reply,  ///< undamaged: see command() and status(), and limits() after PP
     scan,   ///< an undamaged scan, as it was asked for: see values()
-    bad,    ///< damaged, or a scan that nobody asked for
+    bad,    ///< damaged, or a scan that was not asked for
   };
 
   /// The form of the scans from now on.

@@ -23,7 +23,7 @@ struct CsvRow {
 /// Reads CSV as RFC 4180 has it: column 1 is `time_s`, the others are an address and the field of
 /// its value, such as `pose.read.x`. Rows of other addresses and rows that mark a gap are left out.
 /// `address` may be empty when all columns are of one. Numbers come back exactly as they were.
-/// `name` stands for the file in errors, which say the line. [factory]
+/// `name` stands for the file in errors, which name the line. [factory]
 [[nodiscard]] mauve::Result<std::vector<CsvRow>> read_csv(std::string_view text,
                                                           const mauve::DataType& type,
                                                           const std::string& address,

@@ -100,7 +100,7 @@ class Playback final : public mauve::Core<PlaybackShell<T>> {
   void write(std::size_t row) {
     T value = values_[row];
     if constexpr (Stamped<T>) {
-      // As old when it was written as in the recording; 0 says "now" there and here.
+      // As old when it is written as it was in the recording; 0 means "now" there and here.
       if (restamp && value.time != 0.0) {
         const double age = mauve::to_seconds(times_[row]) + offset_ - value.time;
         value.time = mauve::to_seconds(mauve::job_time()) - age;

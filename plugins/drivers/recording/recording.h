@@ -22,7 +22,7 @@ class Recording {
   static constexpr std::size_t kFirstColumn = 24;
   static constexpr std::size_t kUnusable = 70;
 
-  /// Reads the file. Says in which line what is wrong. [factory]
+  /// Reads the file. An error names the line and the problem. [factory]
   [[nodiscard]] static mauve::Result<Recording> load(const std::string& path);
   /// The same from text; `name` stands for the file in errors.
   [[nodiscard]] static mauve::Result<Recording> parse(std::string_view text,

@@ -31,7 +31,7 @@ class BinaryFrames {
     bad,    ///< a frame turned out to be damaged
   };
 
-  /// Only after next() said `none`.
+  /// Only after next() returned `none`.
   void push(std::uint8_t byte) {
     if (end_ == bytes_.size()) {
       std::copy(bytes_.begin() + static_cast<std::ptrdiff_t>(begin_), bytes_.end(), bytes_.begin());
@@ -69,7 +69,7 @@ class BinaryFrames {
 
   /// A frame has begun and is not complete yet.
   [[nodiscard]] bool in_frame() const { return end_ - begin_ > used_; }
-  /// The rest of it will not come: next() looks what else its bytes are.
+  /// The rest of it will not come: next() looks for other frames in its bytes.
   void drop_begun() { dropped_ = in_frame(); }
 
  private:

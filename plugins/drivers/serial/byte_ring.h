@@ -26,7 +26,7 @@ class ByteRing {
     return look(head_) - tail;
   }
 
-  /// The writer: room in one piece; what was written there counts after filled(). [rt]
+  /// The writer: room in one piece; bytes that were written there count after filled(). [rt]
   [[nodiscard]] std::span<char> room() {
     const std::size_t free = kSize - size();
     const std::size_t at = head_ % kSize;
@@ -44,7 +44,7 @@ class ByteRing {
     return true;
   }
 
-  /// The reader: what waits, from so many bytes on, in one piece; it is gone after drop(). [rt]
+  /// The reader: the bytes that wait, from so many on, in one piece; drop() removes them. [rt]
   [[nodiscard]] std::span<const char> there(std::size_t from = 0) {
     const std::size_t at = (tail_ + from) % kSize;
     return std::span<const char>(bytes_).subspan(at, std::min(size() - from, kSize - at));

@@ -35,7 +35,7 @@ class DeviceLine {
   }
   /// One that is not there is waited for: then lost() is true. [factory]
   mauve::Status open(const std::string& device, int baud, SerialPort::Use use);
-  /// Bytes that were sent before are written first. Then nobody writes into `line` any more.
+  /// Bytes that were sent before are written first. Then no thread writes into `line` any more.
   /// [factory]
   void close(LineBytes& line);
   [[nodiscard]] bool lost() const { return lost_; }
@@ -53,7 +53,7 @@ class DeviceLine {
   static void count_damaged(Counter& bad_frames);
 
   /// All of it goes out, or nothing: the device never hears half a request. False: it is lost, or
-  /// does not take what was sent before. [rt]
+  /// does not take the bytes that were sent before. [rt]
   bool send(std::string_view bytes) { return !lost_ && thread_.send(bytes); }
 
  private:

@@ -28,7 +28,7 @@ class LineFiller {
   LineFiller(const LineFiller&) = delete;
   LineFiller& operator=(const LineFiller&) = delete;
 
-  /// This line shall fill them, and no other: true when its thread has to look. To be said again
+  /// This line shall fill them, and no other: true when its thread has to look. To be called again
   /// in each job, which may be aborted anywhere. [rt]
   bool want(LineBytes& bytes);
   /// Until no line fills them any more, so that they can go. After the thread of this line has

@@ -91,7 +91,7 @@ Status LineThread::start(LineEnd& end, std::size_t most_waiting, Lost lost) {
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);
   pthread_attr_setstacksize(&attributes, kStack);
-  // Ordinary, whoever makes it, until a real-time thread uses it.
+  // Ordinary, whichever thread makes it, until a real-time thread uses it.
   pthread_attr_setinheritsched(&attributes, PTHREAD_EXPLICIT_SCHED);
   const int error = pthread_create(&thread_, &attributes, &LineThread::enter, this);
   pthread_attr_destroy(&attributes);
@@ -135,7 +135,7 @@ bool LineThread::send(std::string_view bytes) {
   return true;
 }
 
-/// In this order: who finds out that there is a new one finds that.
+/// In this sequence: a thread that sees the new number also sees the new order.
 void LineThread::overrule(std::string_view order) {
   if (device_ == nullptr) return;
   Order packed{};
@@ -155,7 +155,7 @@ bool LineThread::reopen() {
   return false;
 }
 
-/// Once: is who uses the line a real-time thread?
+/// Checks once whether a real-time thread uses the line.
 void LineThread::follow_the_component() {
   if (std::exchange(followed_, true)) return;
   hurried_ = sched_getscheduler(0) == SCHED_FIFO;
@@ -197,7 +197,8 @@ bool LineThread::reads() const {
          (device_ == nullptr || device_->reader.load(std::memory_order_acquire) == id());
 }
 
-/// As its properties say; only when it is used, so that one that never is changes nothing.
+/// Gives the device the settings of this end; only when the line is used, so that an unused line
+/// changes nothing.
 void LineThread::tune() {
   if (device_ != nullptr && device_->tuned != id() && end_->tune()) device_->tuned = id();
 }
@@ -239,7 +240,7 @@ std::ptrdiff_t LineThread::read_some(std::span<char> room) {
   tune();
   const std::ptrdiff_t count = end_->read(room);
   if (count <= 0 || reads()) return count;
-  left.assign(room.data(), static_cast<std::size_t>(count));  // for who became the reader meanwhile
+  left.assign(room.data(), static_cast<std::size_t>(count));  // for the new reader of the device
   return 0;
 }
 
@@ -288,7 +289,7 @@ void LineThread::write_out() {
     request_sent_ += static_cast<std::size_t>(count);
     if (request_sent_ < request_size_) continue;
     end_request();
-    tried = false;  // what is sent meanwhile may meet another loss
+    tried = false;  // requests sent meanwhile may meet another loss
   }
 }
 
@@ -297,7 +298,8 @@ std::ptrdiff_t LineThread::write_some() {
   std::span<const char> rest =
       repeats_ ? std::span(order).subspan(request_sent_) : waiting_.there(request_sent_);
   rest = rest.first(std::min(rest.size(), request_size_ - request_sent_));
-  // A reader may hold the lock for a long time: who is for emergencies writes at whatever speed.
+  // A reader may hold the lock for a long time, so a line for emergencies writes without it, at any
+  // speed.
   std::unique_lock<std::mutex> lock;
   if (device_ != nullptr && lost_ == Lost::waits) {
     lock = std::unique_lock(device_->reading);
@@ -309,8 +311,7 @@ std::ptrdiff_t LineThread::write_some() {
 void LineThread::lose() {
   error_ = errno;
   end_->close();
-  request_sent_ =
-      repeats_ ? 0 : kHead;  // what was heard of it means nothing to the device that comes
+  request_sent_ = repeats_ ? 0 : kHead;  // the next device has heard nothing of it
   open_.store(false, std::memory_order_release);
 }
 

@@ -37,26 +37,26 @@ class LineThread {
   LineThread(const LineThread&) = delete;
   LineThread& operator=(const LineThread&) = delete;
 
-  /// `end` belongs to the thread until stop(). At most `most_waiting` bytes wait to be sent: what a
-  /// device that hung hears later should not be too old. One that is opened to send is for
+  /// `end` belongs to the thread until stop(). At most `most_waiting` bytes wait to be sent: a
+  /// device that hung should not hear old bytes later. One that is opened to send is for
   /// emergencies: its thread is a real-time one from the beginning. [factory]
   mauve::Status start(LineEnd& end, std::size_t most_waiting, Lost lost = Lost::waits);
-  /// Called on the thread when what send() took found no device, and with how many bytes came.
-  /// Before start(). [factory]
+  /// Called on the thread when bytes that send() took found no device, and with the number of bytes
+  /// that came. Before start(). [factory]
   void when_unsent(std::function<void()> report) { report_unsent_ = std::move(report); }
   void when_received(std::function<void(std::size_t)> report) {
     report_received_ = std::move(report);
   }
-  /// Sends what waits, for 200 ms at most, and joins the thread. [factory]
+  /// Sends the bytes that wait, for 200 ms at most, and joins the thread. [factory]
   void stop();
   /// Until no line fills it any more, so that it can go. After stop(). [factory]
   void empty_handed(LineBytes& bytes) const { filler_.empty_handed(bytes); }
 
-  /// The line fills this from now on, and no other line of the device any; to be said again in each
-  /// job. [rt]
+  /// The line fills this from now on, and no other line of the device any; to be called again in
+  /// each job. [rt]
   void fill(LineBytes& bytes);
-  /// All of it is sent later, or nothing and false: too much waits already. Of what a device that
-  /// was lost heard a half, one that is opened to send hears all again. [rt]
+  /// All of it is sent later, or nothing and false: too much waits already. If a lost device heard
+  /// half of it, a device that is opened to send hears all of it again. [rt]
   bool send(std::string_view bytes);
   /// An order (7 bytes at most) overrules all that any line sent to the device before it. Of that,
   /// bytes that wait are dropped, and bytes that are just going out are followed by the order. The
@@ -70,7 +70,7 @@ class LineThread {
   bool reopen();
 
  private:
-  struct Device;  // what all lines of one have in common
+  struct Device;  // the common part of all lines of one device
 
   static std::shared_ptr<Device> device_of(const LineEnd& end);
   static void* enter(void* self);

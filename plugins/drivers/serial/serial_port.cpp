@@ -222,7 +222,7 @@ bool SerialPort::reopen() {
   if (use_ == Use::both && !terminal) return false;
   terminal_ = terminal;
   device_ = std::move(opened);
-  static_cast<void>(be_guarded());  // a command that nobody guards is better than none
+  static_cast<void>(be_guarded());  // a command without a guardian is better than none
   return true;
 }
 

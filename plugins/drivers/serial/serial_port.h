@@ -33,8 +33,8 @@ class Descriptor {
 /// process keeps for itself, in $RUNTIME_DIRECTORY, $XDG_RUNTIME_DIR or /tmp.
 [[nodiscard]] std::string line_path(const std::string& name);
 
-/// One end of a line. Nothing here waits for bytes, but the kernel may make anybody wait for one of
-/// its own threads: real-time threads leave it to a LineThread.
+/// One end of a line. Nothing here waits for bytes, but the kernel may let any caller wait for one
+/// of its own threads: real-time threads leave it to a LineThread.
 class LineEnd {
  public:
   virtual ~LineEnd() = default;
@@ -48,9 +48,9 @@ class LineEnd {
   virtual void close() = 0;
   /// The same once more, after it failed or was closed. Takes no memory.
   virtual bool reopen() = 0;
-  /// The name under which others may open the same device; empty: nobody can.
+  /// The name under which others may open the same device; empty: no other can.
   [[nodiscard]] virtual std::string name() const { return {}; }
-  /// Gives the device the settings of this end, whatever others did; false when it has none.
+  /// Gives the device the settings of this end, in place of any others; false when it has none.
   virtual bool tune() { return false; }
 };
 
@@ -109,16 +109,17 @@ class PseudoTerminal final : public LineEnd {
   /// replaced; anything else there is refused. [factory]
   mauve::Status open(const std::string& name);
   void close() override { shut(); }
-  /// Nobody else could find the same one: false.
+  /// False: no other program could find the same terminal again.
   bool reopen() override { return false; }
   /// Path of the device.
   [[nodiscard]] const std::string& device() const { return path_; }
   [[nodiscard]] int number() const override { return master_.number(); }
   [[nodiscard]] std::ptrdiff_t read(std::span<char> into) override;
   [[nodiscard]] std::ptrdiff_t write(std::string_view bytes) const override;
-  /// Sends what fits and returns how many bytes that was.
+  /// Sends the bytes that fit and returns their number.
   [[nodiscard]] std::size_t send_some(std::string_view bytes) const;
-  /// The same; what does not fit is lost, as on a real line nobody listens to. False: lost some.
+  /// The same; bytes that do not fit are lost, as on a real line without a listener. False: some
+  /// were lost.
   bool send(std::string_view bytes) const { return send_some(bytes) == bytes.size(); }
   /// The bytes that the other end wrote, as far as they fit; 0 when there are none.
   [[nodiscard]] std::size_t receive(std::span<char> into) const;

@@ -37,7 +37,7 @@ class SimulatedLine {
     terminal_.close();
   }
 
-  /// All of it, or nothing and false: nobody reads the line, and much waits already. [rt]
+  /// All of it, or nothing and false: no program reads the line, and much waits already. [rt]
   bool send(std::string_view bytes) { return thread_.send(bytes); }
   /// The same, and counts the text in one of the two. [rt]
   void send(std::string_view bytes, Counter& sent, Counter& lost) { ++(send(bytes) ? sent : lost); }
