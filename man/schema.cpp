@@ -48,7 +48,7 @@ std::string kind_of(const Json& schema) {
     const std::string inside = kind_of(member(schema, "additionalProperties"));
     return inside.empty() ? "object" : "object of " + inside;
   }
-  // "not null" is all that a schema can say of the value of a property.
+  // "not null" is all that a schema can state about the value of a property.
   return type.empty() && !member(schema, "not").is_null() ? "value" : type;
 }
 

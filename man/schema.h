@@ -8,7 +8,7 @@
 namespace mauve::man {
 
 /// A subsection for each object with its keys, then one for each kind of text. Understands the part
-/// of the language that etc/architecture.schema.json uses. Empty for what is not a schema.
+/// of the language that etc/architecture.schema.json uses. Empty for a text that is not a schema.
 [[nodiscard]] std::string schema_keys(std::string_view schema);
 
 }  // namespace mauve::man
