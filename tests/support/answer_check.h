@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Whether an answer of mauved is what the row of its method says.
+/// Whether an answer of mauved has the form that the row of its method states.
 #pragma once
 
 #include <algorithm>

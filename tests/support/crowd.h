@@ -27,7 +27,7 @@ class Crowd {
                                      .wait() == 0;
   }
 
-  /// Everybody who keeps the group of this process is a viewer.
+  /// Every user who keeps the group of this process is a viewer.
   [[nodiscard]] static std::string viewers() {
     return "mauve-view:x:" + std::to_string(getegid()) + ":\n";
   }

@@ -40,7 +40,7 @@ class DeployedControl {
   [[nodiscard]] const std::string& error() const { return error_; }
 
   void aim(const rover::Point2D& goal) { write("goal", goal); }
-  /// One step of 10 ms: what control commands where it stands and sees this.
+  /// One step of 10 ms: the command of control at this pose, with this scan.
   [[nodiscard]] rover::Velocity step(const rover::Pose2D& pose, const rover::LaserScan& scan) {
     write("pose", pose);
     write("scan", scan);

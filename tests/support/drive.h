@@ -98,7 +98,7 @@ struct Outcome {
   std::vector<Point2D> track;
 };
 
-/// The change from one command to the next, as share of what is allowed.
+/// The change from one command to the next, as share of the allowed change.
 inline double jump(const Velocity& last, const Velocity& next) {
   constexpr guidance::SlewLimits kLimits;
   const bool slower = std::abs(next.linear) < std::abs(last.linear);
@@ -107,7 +107,7 @@ inline double jump(const Velocity& last, const Velocity& next) {
                   std::abs(next.angular - last.angular) / (kLimits.turn * kStep));
 }
 
-/// One robot on its way; whoever has a planner moves `state.goal`.
+/// One robot on its way; a test with a planner moves `state.goal`.
 class Drive {
  public:
   Drive(const World& world, const Conditions& conditions, const Pose2D& start, std::uint64_t seed)

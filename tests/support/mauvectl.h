@@ -10,7 +10,7 @@
 
 namespace mauve::test {
 
-/// How a program ended, and what it said on standard output.
+/// How a program ended, and its standard output.
 struct Said {
   int exit = -1;
   std::string out;
@@ -24,7 +24,7 @@ struct Said {
   return all;
 }
 
-/// Runs it; what it says on standard error goes to `errors`, or to nowhere.
+/// Runs it; its standard error goes to `errors`, or to nowhere.
 inline Said mauvectl(const std::string& socket, const std::vector<std::string>& words,
                      const std::string& errors = "/dev/null") {
   Process client(mauvectl_words(socket, words), errors);

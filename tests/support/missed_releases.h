@@ -19,8 +19,8 @@ struct MissedReleases {
   std::int64_t from = 0;        ///< of the trace, ns since T0
 };
 
-/// Of a file `mauvectl trace dump` wrote, not looking at what happened before `since`, of
-/// components whose period is at most `period`.
+/// The missed releases in a file that `mauvectl trace dump` wrote, from `since` on, of components
+/// whose period is at most `period`.
 inline MissedReleases missed_releases(const std::filesystem::path& trace, std::int64_t since,
                                       std::int64_t period) {
   constexpr std::int64_t kAround = 1'000'000;  // the period of the daemon's probe

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Neighbours: what else may run on a robot's computer, all at once. Two compilers, a busy
-/// real-time program, and another mauved that starts again and again.
+/// Neighbours: other programs that may run on a robot's computer, all at once. Two compilers, a
+/// busy real-time program, and another mauved that starts again and again.
 #pragma once
 
 #include <atomic>

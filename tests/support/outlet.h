@@ -38,7 +38,8 @@ class Outlet {
   }
   /// Readable when bytes came.
   [[nodiscard]] int descriptor() const { return near_; }
-  /// Nothing more finds room, for good: what is in the kernel is carried on for a while.
+  /// Fills the line until no byte finds room any more, since the kernel carries bytes on for a
+  /// while.
   void fill() const {
     const int driver = opened();
     const std::string much(4096, 'x');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Cores for the ramp of ramp.h whose states are of three revisions, and what they write.
+/// Cores for the ramp of ramp.h whose states are of three revisions, and their output.
 #pragma once
 
 #include <cstdint>

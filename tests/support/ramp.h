@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A small component for tests: a ramp that adds `step` each job and writes its value; the value
-/// is the state that survives swaps. Its clock and counts show what ran when.
+/// A small component for tests: a ramp that adds `step` each job and writes its value; the value is
+/// the state that survives swaps. Its clock and counts show the jobs that ran, with their times.
 #pragma once
 
 #include <atomic>

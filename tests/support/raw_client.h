@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A client that sends whatever a test likes, byte by byte if need be. For the socket of mauved.
+/// A client that sends any bytes of a test, one by one if need be. For the socket of mauved.
 #pragma once
 
 #include <poll.h>
@@ -123,7 +123,7 @@ class RawClient {
     }
   }
 
-  /// True when the other end closes within the time; what it still sends is discarded.
+  /// True when the other end closes within the time; bytes that still come are discarded.
   [[nodiscard]] bool closed_by_peer(std::chrono::milliseconds limit = kPatience) {
     const auto until = std::chrono::steady_clock::now() + limit;
     while (std::chrono::steady_clock::now() < until) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A ROS master of our own and the tools of ROS, for tests. Skipped, and says so, where ROS 1 is
-/// not installed. MAUVE_PLUGIN_DIR is defined by the CMakeLists.txt of the test.
+/// A ROS master of our own and the tools of ROS, for tests. Such tests are skipped, with a message,
+/// where ROS 1 is not installed. MAUVE_PLUGIN_DIR is defined by the CMakeLists.txt of the test.
 #pragma once
 
 #include <arpa/inet.h>
@@ -34,7 +34,7 @@ inline sockaddr_in here(int port) {
   return address;
 }
 
-/// Does somebody listen?
+/// Does a program listen on this port?
 inline bool answers(int port) {
   const int probe = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   const sockaddr_in address = here(port);

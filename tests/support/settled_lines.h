@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// For tests with serial lines on a simulated clock, which else would run ahead of the bytes: lets
-/// the machine carry what was written to whoever reads it.
+/// the machine carry the written bytes to their readers.
 #pragma once
 
 #include <poll.h>

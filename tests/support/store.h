@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A resource in two contracts, for tests of the barrier: it counts what is written, and what is
-/// written in the manner of the other contract. Its writers count what they got through.
+/// A resource in two contracts, for tests of the barrier: it counts the values that are written,
+/// and those in the manner of the other contract. Its writers count the values that it accepted.
 #pragma once
 
 #include <atomic>

@@ -21,7 +21,7 @@ inline std::optional<std::filesystem::path> test_data(const std::string& name) {
   return path;
 }
 
-/// Says what to do about it, for GTEST_SKIP().
+/// The reason and the remedy, for GTEST_SKIP().
 inline constexpr const char* kNoTestData =
     "SKIPPED: the recordings are not here; set MAUVE_TEST_DATA to their folder";
 

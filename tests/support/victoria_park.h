@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The truck in Victoria Park (data/victoria_park): its recording, and what the filter makes of it
+/// The truck in Victoria Park (data/victoria_park): its recording, and the estimate of the filter
 /// when the positions are cut out for a while.
 #pragma once
 
@@ -92,7 +92,7 @@ struct Sample {
   rover::Pose fix;
   double outage = -1.0;   ///< s since it began
   double error = 0.0;     ///< m, of the antenna
-  double surprise = 0.0;  ///< the same squared, in units of what the filter admits
+  double surprise = 0.0;  ///< the squared Mahalanobis distance of it
   double nis = 0.0;       ///< of a fix the filter was given
   bool rejected = false;
 };
