@@ -21,7 +21,9 @@ class Locks : public Generations {
     for (const Way& way : all_ways()) {
       SCOPED_TRACE(way.name + " (" + way.method + ") under lock " + lock);
       daemon_.ask("lock.set", {{"lock", "none"}});
-      if (!as_after_start) ASSERT_NO_FATAL_FAILURE(begin_anew());
+      if (!as_after_start) {
+        ASSERT_NO_FATAL_FAILURE(begin_anew());
+      }
       as_after_start = is_held(way, lock) && way.before.empty();
       auto params = way.params;
       if (params.contains("generation")) params["generation"] = runs()["generation"];
