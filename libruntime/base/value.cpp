@@ -5,9 +5,14 @@
 #include <cmath>
 #include <limits>
 
-#include <mauve/detail/codec.h>
-
 namespace mauve {
+
+Value::Value(const Value& other) = default;
+Value::Value(Value&& other) noexcept = default;
+Value& Value::operator=(const Value& other) = default;
+Value& Value::operator=(Value&& other) noexcept = default;
+Value::~Value() = default;
+
 namespace {
 
 std::string quoted(std::string_view text) {
@@ -82,23 +87,4 @@ std::string_view word_of_number(double number) {
   return number < 0.0 ? "-inf" : "inf";
 }
 
-namespace detail {
-
-std::optional<double> number_of_word(const Value& value) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const auto* word = value.get_if<std::string>();
-  if (word == nullptr) return std::nullopt;
-  for (const double number : {std::numeric_limits<double>::quiet_NaN(), kInfinity, -kInfinity}) {
-    if (*word == word_of_number(number)) return number;
-  }
-  return std::nullopt;
-}
-
-Error out_of_range(std::int64_t low, std::int64_t high, const Value& value) {
-  return refuse(
-      {Errc::invalid_value, "value_out_of_range"}, {},
-      to_string(value) + " is not from " + std::to_string(low) + " to " + std::to_string(high));
-}
-
-}  // namespace detail
 }  // namespace mauve

@@ -6,7 +6,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <type_traits>
 #include <typeinfo>
@@ -133,8 +135,8 @@ struct Codec<T> {
     Value::Object object;
     std::apply(
         [&](const auto&... f) {
-          (object.emplace_back(
-               std::string(f.name),
+          (detail::add_member(
+               object, f.name,
                Codec<std::remove_cvref_t<decltype(data.*(f.member))>>::encode(data.*(f.member))),
            ...);
         },
@@ -146,12 +148,11 @@ struct Codec<T> {
     const auto* object = value.get_if<Value::Object>();
     if (object == nullptr) {
       Error error = detail::wrong_kind("an object", value);
-      error.hint = fields_in_words();
+      error.hint = detail::fields_in_words(Described<T>::name, names());
       return error;
     }
     for (const auto& member : *object) {
-      Status done = refuse({Errc::unknown_name, "unknown_field"}, member.first,
-                           "no field of " + std::string(Described<T>::name), fields_in_words());
+      Status done = detail::no_field(member.first, Described<T>::name, names());
       const auto try_fields = [&](const auto&... f) {
         static_cast<void>((decode_field(f, member, data, done) || ...));
       };
@@ -164,12 +165,10 @@ struct Codec<T> {
     Value::Array fields;
     std::apply(
         [&](const auto&... f) {
-          (fields.push_back(Value::Object{
-               {"name", std::string(f.name)},
-               {"kind",
-                Codec<std::remove_cvref_t<decltype(std::declval<T>().*(f.member))>>::describe()},
-               {"unit", std::string(f.unit)},
-               {"text", std::string(f.text)}}),
+          (detail::add_field(
+               fields, f.name,
+               Codec<std::remove_cvref_t<decltype(std::declval<T>().*(f.member))>>::describe(),
+               f.unit, f.text),
            ...);
         },
         Described<T>::fields());
@@ -186,15 +185,11 @@ struct Codec<T> {
                           member.first);
     return true;
   }
-  /// "point2d/1 has the fields x, y"
-  static std::string fields_in_words() {
-    std::string names;
-    std::apply(
-        [&](const auto&... f) {
-          ((names += (names.empty() ? "" : ", ") + std::string(f.name)), ...);
-        },
+  static std::span<const std::string_view> names() {
+    static const auto kNames = std::apply(
+        [](const auto&... f) { return std::array<std::string_view, sizeof...(f)>{f.name...}; },
         Described<T>::fields());
-    return std::string(Described<T>::name) + " has the fields " + names;
+    return kNames;
   }
 };
 

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -85,19 +86,26 @@ concept HasFields = HasName<T> && requires {
   Described<T>::fields();
 };
 
-[[nodiscard]] inline Error wrong_kind(std::string_view wanted, const Value& value) {
-  return refuse({Errc::invalid_value, "value_wrong_kind"}, {},
-                "expected " + std::string(wanted) + ", got " + to_string(value));
-}
+// These are in libmauve, which keeps the code that each type adds to a plugin small.
+
+[[nodiscard]] Error wrong_kind(std::string_view wanted, const Value& value);
 
 /// The place of an error in a composed value, seen from outside: "y" in `goal` is "goal.y".
-[[nodiscard]] inline Status inside(Status done, const std::string& part) {
-  if (!done) {
-    std::string& at = done.error().at;
-    at = part + (at.empty() || at.front() == '[' ? "" : ".") + at;
-  }
-  return done;
-}
+[[nodiscard]] Status inside(Status done, const std::string& part);
+
+void add_member(Value::Object& object, std::string_view name, Value value);
+
+/// Adds the description of a field to those of its struct.
+void add_field(Value::Array& fields, std::string_view name, Value kind, std::string_view unit,
+               std::string_view text);
+
+/// "point2d/1 has the fields x, y"
+[[nodiscard]] std::string fields_in_words(std::string_view type,
+                                          std::span<const std::string_view> fields);
+
+/// The struct `type` has no field of this name.
+[[nodiscard]] Error no_field(const std::string& name, std::string_view type,
+                             std::span<const std::string_view> fields);
 
 /// The number that "nan", "inf" or "-inf" stands for; empty for any other value.
 [[nodiscard]] std::optional<double> number_of_word(const Value& value);

@@ -31,6 +31,13 @@ class Value {
   Value(Array value) : content_(std::move(value)) {}                ///< an array
   Value(Object value) : content_(std::move(value)) {}               ///< an object
 
+  // Not inline: a plugin would have a copy of each wherever it describes a field.
+  Value(const Value& other);                 ///< a copy of the tree
+  Value(Value&& other) noexcept;             ///< leaves `other` without a defined content
+  Value& operator=(const Value& other);      ///< a copy of the tree
+  Value& operator=(Value&& other) noexcept;  ///< leaves `other` without a defined content
+  ~Value();                                  ///< frees the tree
+
   [[nodiscard]] bool is_null() const { return content_.index() == 0; }  ///< no value
   /// The content as this alternative, or null when it is another one.
   template <typename T>
