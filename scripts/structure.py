@@ -86,7 +86,6 @@ STRAYS = {
     "daemon/commands/look/log_level.cpp": 1,
     "daemon/commands/recovery/probation.cpp": 2,
     "daemon/log/journal.cpp": 1,
-    "libruntime/base/value.cpp": 2,
     "libruntime/exec/commit/commit_books.cpp": 13,
     "libruntime/exec/task/job_runner.cpp": 2,
     "libruntime/model/element/elements.cpp": 2,
