@@ -72,7 +72,7 @@ class Test:
         equal(own.shell("systemctl is-enabled mauved"), "enabled", "the service is")
         complaints = own.shell("systemd-analyze verify mauved.service mauve-guardian.service 2>&1 | grep -i mauve || true")
         equal(complaints, "", "complaints of systemd-analyze verify")
-        own.shell("man --where mauved mauvectl mauve-architecture mauve-protocol")
+        own.shell("man --where mauved mauve-guardian mauvectl mauve-stamp mauve-architecture mauve-protocol")
         own.shell("pkg-config --exists 'mauve >= 0.1' && test -f /usr/share/doc/mauve/html/index.html")
         own.shell("mauved --check /usr/share/mauve/yard.json")
         libraries = own.shell("for file in /usr/sbin/mauve* /usr/bin/mauve* /usr/lib/mauve/plugins/*.so; do ldd $file; done")

@@ -33,8 +33,9 @@ std::string page_of(const std::string& name) {
   return text;
 }
 
-const std::vector<std::string> kPages = {"mauved.8", "mauvectl.1", "mauve-architecture.5",
-                                         "mauve-protocol.7"};
+const std::vector<std::string> kPages = {
+    "mauved.8",      "mauve-guardian.8",     "mauvectl.1",
+    "mauve-stamp.1", "mauve-architecture.5", "mauve-protocol.7"};
 
 /// All that a command of the shell prints, and its status.
 std::pair<std::string, int> output_of(const std::string& command) {
@@ -93,6 +94,19 @@ TEST(ManPages, NameEveryOptionOfTheDaemon) {
   }
   EXPECT_TRUE(names.contains("--plugin-dir"));
   EXPECT_TRUE(names.contains("architecture"));
+}
+
+TEST(ManPages, NameEveryOptionThatTheGuardianPrints) {
+  const std::string page = page_of("mauve-guardian.8");
+  const auto [help, status] = output_of(MAUVE_BIN_DIR "/mauve-guardian --help");
+  EXPECT_EQ(status, 0);
+  std::istringstream stream(help);
+  std::set<std::string> options;
+  for (std::string word; stream >> word;) {
+    if (word.starts_with("--")) options.insert(word);
+  }
+  EXPECT_THAT(options, testing::IsSupersetOf({"--socket", "--connected"}));
+  for (const auto& option : options) EXPECT_THAT(page, HasSubstr(plain(option))) << help;
 }
 
 /// The text below a heading, up to the next one.
