@@ -33,7 +33,7 @@ constexpr const char* kHelp =
     "having said so, or falls silent. mauved --guardian looks for it beside its own socket, at\n"
     "PATH.guardian, and starts one when there is none.\n";
 
-int wrong_use(const char* text) {
+int refuse_use(const char* text) {
   std::fprintf(stderr, "error: %s\nhint: mauve-guardian --help\n", text);
   return kWrongUse;
 }
@@ -123,20 +123,20 @@ int main(int count, char** words) {
   std::signal(SIGPIPE, SIG_IGN);  // of an output, or of the log, whose reader is gone
   const std::string_view option = count > 1 ? words[1] : "";
   if (option == "--help" || option == "-h") return std::fputs(kHelp, stdout) < 0 ? 1 : 0;
-  if (count != 3) return wrong_use("one option and its value are needed");
+  if (count != 3) return refuse_use("one option and its value are needed");
   if (option == "--connected") {
     int socket = -1;
     const std::string_view number = words[2];
     const auto end = number.data() + number.size();
     if (std::from_chars(number.data(), end, socket).ptr != end || fcntl(socket, F_GETFD) < 0) {
-      return wrong_use("--connected needs the number of an open descriptor");
+      return refuse_use("--connected needs the number of an open descriptor");
     }
     mauve::guardian::become_urgent();
     mauve::guardian::confine_calls();
     Session(socket).run();
     return 0;
   }
-  if (option != "--socket") return wrong_use("there is no such option");
+  if (option != "--socket") return refuse_use("there is no such option");
   const int listener = listen_at(words[2]);
   if (listener < 0) return 1;
   mauve::guardian::become_urgent();

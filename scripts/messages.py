@@ -7,7 +7,7 @@ Usage: messages.py [ROOT]            writes the page
 
 The tables are daemon/log/events.def, daemon/protocol/errors.def and daemon/protocol/refusals.def; `mauvectl explain
 NAME` prints the same texts. Each refusal of the code, {Errc::KIND, "NAME"}, has a row in refusals.def with this kind,
-and each row has a use. LEDGER counts the refusals of each file that have no name: they may only become fewer.
+each wrong use of mauvectl, wrong_use("NAME", ...), one of the kind usage, and each row has a use. LEDGER counts the refusals of each file that have no name: they may only become fewer.
 """
 import collections
 import pathlib
@@ -31,12 +31,14 @@ ENTRY = re.compile(r"MAUVE_(EVENT|ERROR|FAILURE)\(((?:0x\w+, )?)(\w+), (?:(\w+),
                    rf"((?:{STRING}\s*)+),\s*((?:{STRING}\s*)+)\)")
 REFUSAL = re.compile(rf"MAUVE_REFUSAL\((\w+), (\w+), (\w+),\s*((?:{STRING}\s*)+),\s*((?:{STRING}\s*)+)\)")
 STATES = {"unchanged": "", "partly": "A part has changed.", "unknown": "It may still take effect.",
-          "start": "mauved does not start.", "apart": "mauved is not concerned."}
+          "start": "mauved does not start.", "unsent": "Nothing was sent to mauved.", "apart": "mauved is not concerned."}
 NAMED = re.compile(r'\{\s*Errc::(\w+),\s*"(\w+)"\s*\}')
 RENAMED = re.compile(r'\.code = Errc::(\w+);\s*[\w.()]+\.id = "(\w+)"')
+WRONG_USE = re.compile(r'\bwrong_use\(\s*"(\w+)"')
 # A kind that is compared, printed, numbered or passed on is no refusal.
 NAMELESS = re.compile(r"(?<![=!]= )(?<!case )(?<!to_string\()(?<!value_or\()(?<!-> )(?<!Errc code = )(?<!Reason\{)"
                       r"\bErrc::\w+\b(?!, -\d)")
+NAMELESS_USE = re.compile(r'\bkUsage, (?!"usage")(?!std::move)|\bwrong_use\((?!\s*(?:"|std::string id|error\.id))')
 GROUP = re.compile(r"^// (0\d)xx  (.*)$", re.M)
 
 
@@ -105,15 +107,12 @@ def problems(root):
     files = [file for folder in CODE for file in sorted((root / folder).rglob("*")) if file.suffix in (".h", ".cpp")]
     for file in files:
         text = without_comments(file.read_text("utf-8"))
-        for kind, name in NAMED.findall(text):
+        uses = [("usage", name) for name in WRONG_USE.findall(text)]
+        for kind, name in NAMED.findall(text) + RENAMED.findall(text) + uses:
             used.add(name)
             if rows.get(name) != kind:
                 yield f"{file.relative_to(root)}: \"{name}\" has no row of kind {kind} in {TABLES[2]}"
-        for kind, name in RENAMED.findall(text):
-            used.add(name)
-            if rows.get(name) != kind:
-                yield f"{file.relative_to(root)}: \"{name}\" has no row of kind {kind} in {TABLES[2]}"
-        nameless = len(NAMELESS.findall(RENAMED.sub("", NAMED.sub("", text))))
+        nameless = len(NAMELESS.findall(RENAMED.sub("", NAMED.sub("", text)))) + len(NAMELESS_USE.findall(text))
         allowed = LEDGER.get(str(file.relative_to(root)), 0)
         if nameless > allowed:
             yield f"{file.relative_to(root)}: {nameless} refusals without a name, {allowed} are allowed"

@@ -22,6 +22,7 @@ namespace asio = boost::asio;
 using boost::system::error_code;
 using protocol::fault_of;
 using protocol::ServerMessage;
+using protocol::wrong_use;
 
 // Answers may be longer than requests: the export of a large system.
 constexpr std::size_t kLongestAnswer = 64 * 1024 * 1024;
@@ -87,9 +88,9 @@ Client::~Client() = default;
 
 std::optional<Fault> Client::connect() {
   if (path_.empty() || path_.size() > kLongestPath) {
-    return fault_of(protocol::kUsage,
-                    "the path of a socket has 1 to " + std::to_string(kLongestPath) + " characters",
-                    path_);
+    return wrong_use(
+        "usage_socket_path",
+        "the path of a socket has 1 to " + std::to_string(kLongestPath) + " characters", path_);
   }
   const Deadline deadline = std::chrono::steady_clock::now() + greeting_timeout_;
   connection_ = std::make_unique<Connection>();

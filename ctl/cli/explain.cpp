@@ -16,7 +16,7 @@ namespace {
 using protocol::fault_of;
 
 /// The state of the running system after a refusal: the third column of refusals.def.
-enum class Aftermath { unchanged, partly, unknown, start, apart };
+enum class Aftermath { unchanged, partly, unknown, start, unsent, apart };
 
 constexpr std::string_view state_after(Aftermath aftermath) {
   switch (aftermath) {
@@ -28,6 +28,8 @@ constexpr std::string_view state_after(Aftermath aftermath) {
       return "The change may still take effect: `mauvectl history` shows whether it did.";
     case Aftermath::start:
       return "mauved does not start, and no component has moved.";
+    case Aftermath::unsent:
+      return "Nothing was sent to mauved: the running system is as it was.";
     case Aftermath::apart:
       return "mauved and its components are not concerned.";
   }

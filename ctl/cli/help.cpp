@@ -165,8 +165,8 @@ int run_help(Session& session) {
     for (const Command& one : commands()) names.emplace_back(one.name);
     std::string hint = did_you_mean(name, names, "'");
     if (hint.empty()) hint = "mauvectl help lists all commands";
-    return session.fail(protocol::fault_of(protocol::kUsage, "there is no command '" + name + "'",
-                                           {}, std::move(hint)));
+    return session.fail(protocol::wrong_use(
+        "usage_unknown_command", "there is no command '" + name + "'", {}, std::move(hint)));
   }
   session.print(Json{{"help", help_text(*command, width)}}, help_text(*command, width));
   return 0;

@@ -17,7 +17,7 @@
 namespace mauve::ctl {
 namespace {
 
-using protocol::fault_of;
+using protocol::wrong_use;
 
 constexpr Argument kGlobals[] = {
     {"--socket", "of the daemon; else MAUVE_SOCKET, else the usual one", Kind::file},
@@ -85,23 +85,22 @@ std::vector<std::string> option_names(const Command* command) {
   return names;
 }
 
-Fault misuse(std::string message, std::string hint) {
-  return fault_of(protocol::kUsage, std::move(message), {}, std::move(hint));
-}
-
 Fault unexpected(const std::string& word, const Command* command) {
   const std::string help =
       "mauvectl " + (command != nullptr ? std::string(command->name) + " " : "") + "--help";
   if (word.starts_with('-')) {
-    return misuse("unknown option '" + word + "'", near(word, option_names(command), help));
+    return wrong_use("usage_unknown_option", "unknown option '" + word + "'", {},
+                     near(word, option_names(command), help));
   }
   if (command != nullptr) {
-    return misuse("'" + word + "' is one argument too many for " + std::string(command->name),
-                  "example: " + std::string(command->example));
+    return wrong_use("usage_too_many_arguments",
+                     "'" + word + "' is one argument too many for " + std::string(command->name),
+                     {}, "example: " + std::string(command->example));
   }
   std::vector<std::string> names;
   for (const Command& one : commands()) names.emplace_back(one.name);
-  return misuse("unknown command '" + word + "'", near(word, names, help));
+  return wrong_use("usage_unknown_command", "unknown command '" + word + "'", {},
+                   near(word, names, help));
 }
 
 /// The parser of the library, filled from the table, and where its values go.
@@ -148,13 +147,15 @@ std::optional<Fault> check_value(const Argument& argument, const std::string& va
   const std::string_view name = argument.name;
   if (std::ranges::find(kDurations, name) != std::end(kDurations)) {
     const auto time = parse_duration(value);
-    if (!time) return misuse(std::string(name) + ": " + time.error().message, time.error().hint);
+    if (!time)
+      return wrong_use("usage_not_a_time", std::string(name) + ": " + time.error().message, {},
+                       time.error().hint);
   }
   const auto words = argument.words();
   const bool known = words.empty() || std::ranges::find(words, value) != words.end();
   if (known || argument.others) return std::nullopt;
-  return misuse("'" + value + "' is no value of " + std::string(name),
-                near(value, words, "one of: " + std::string(argument.choices)));
+  return wrong_use("usage_unknown_word", "'" + value + "' is no value of " + std::string(name), {},
+                   near(value, words, "one of: " + std::string(argument.choices)));
 }
 
 std::optional<Fault> read_globals(const Parser& parser, const Command& command, Globals& globals) {
@@ -169,24 +170,28 @@ std::optional<Fault> read_globals(const Parser& parser, const Command& command, 
   globals.reason = parser.global("--reason");
   globals.timeout = parser.global("--timeout");
   if (!globals.timeout.empty() && !timeout_of(globals.timeout)) {
-    return misuse("'" + globals.timeout + "' is not a time to wait", "example: --timeout 5s");
+    return wrong_use("usage_not_a_time", "'" + globals.timeout + "' is not a time to wait", {},
+                     "example: --timeout 5s");
   }
   globals.wait = parser.global("--wait");
   if (!globals.wait.empty() && !timeout_of(globals.wait)) {
-    return misuse("'" + globals.wait + "' is not a time to wait", "example: --wait 5s");
+    return wrong_use("usage_not_a_time", "'" + globals.wait + "' is not a time to wait", {},
+                     "example: --wait 5s");
   }
   if (const auto colour = parser.global("--color"); !colour.empty()) globals.colour = colour;
   const std::string generation = parser.global("--if-generation");
   if (!command.changes && (!generation.empty() || !globals.reason.empty())) {
-    return misuse("--if-generation and --reason are for commands that change something",
-                  std::string(command.name) + " changes nothing");
+    return wrong_use("usage_changes_nothing",
+                     "--if-generation and --reason are for commands that change something", {},
+                     std::string(command.name) + " changes nothing");
   }
   if (generation.empty()) return std::nullopt;
   std::uint64_t number = 0;
   const char* end = generation.data() + generation.size();
   const auto read = std::from_chars(generation.data(), end, number);
   if (read.ec != std::errc{} || read.ptr != end) {
-    return misuse("'" + generation + "' is not a generation", "mauvectl status shows it");
+    return wrong_use("usage_not_a_generation", "'" + generation + "' is not a generation", {},
+                     "mauvectl status shows it");
   }
   globals.if_generation = number;
   return std::nullopt;
@@ -212,7 +217,9 @@ std::variant<Invocation, Text, Misuse> invocation_of(const Parser& parser) {
   if (const auto extra = parser.app.remaining(true); !extra.empty()) {
     return Misuse{unexpected(extra.front(), command), json};
   }
-  if (command == nullptr) return Misuse{misuse("no command given", "mauvectl --help"), json};
+  if (command == nullptr)
+    return Misuse{wrong_use("usage_missing_argument", "no command given", {}, "mauvectl --help"),
+                  json};
   Invocation invocation;
   invocation.command = command;
   const Values& values = parser.values.at(command->name);
@@ -242,10 +249,10 @@ std::variant<Invocation, Text, Misuse> parse_options(const std::vector<std::stri
   } catch (const CLI::ParseError& error) {
     const bool json = std::find(words.begin(), words.end(), "--json") != words.end();
     const Command* command = parser.chosen();
-    return Misuse{
-        misuse(error.what(), command != nullptr ? "example: " + std::string(command->example)
-                                                : "mauvectl --help"),
-        json};
+    return Misuse{wrong_use("usage_missing_argument", error.what(), {},
+                            command != nullptr ? "example: " + std::string(command->example)
+                                               : "mauvectl --help"),
+                  json};
   }
   return invocation_of(parser);
 }

@@ -37,9 +37,9 @@ bool is_answered_later(std::string_view method) {
 
 /// A command may change something in one form only, as stats does.
 Fault changes_nothing(std::string_view command) {
-  return protocol::fault_of(protocol::kUsage,
-                            "--if-generation and --reason are for what changes something", {},
-                            "asked like this, " + std::string(command) + " changes nothing");
+  return protocol::wrong_use("usage_changes_nothing",
+                             "--if-generation and --reason are for what changes something", {},
+                             "asked like this, " + std::string(command) + " changes nothing");
 }
 
 }  // namespace
@@ -51,7 +51,7 @@ std::optional<std::chrono::nanoseconds> timeout_of(std::string_view text) {
 }
 
 Fault bad_file(const Error& error) {
-  return protocol::fault_of(protocol::kUsage, error.message, error.at, error.hint);
+  return protocol::wrong_use(error.id, error.message, error.at, error.hint);
 }
 
 std::variant<Json, Fault> file_params(const Session& session, std::string_view argument) {

@@ -11,7 +11,7 @@
 namespace mauve::ctl {
 namespace {
 
-using protocol::fault_of;
+using protocol::wrong_use;
 using RenderAnswer = std::string (*)(const Json&, Look);
 
 int ask(Session& session, std::string_view method, const Json& params, RenderAnswer render) {
@@ -59,11 +59,11 @@ int run_list(Session& session) {
     return ask(session, found->method, Json::object(), plugins ? render_plugins : render_list);
   }
   const std::string nearest = nearest_category(kind);
-  return session.fail(fault_of(protocol::kUsage, "there is no list of '" + kind + "'", {},
-                               nearest.empty()
-                                   ? "components, resources, services, cores, fsms, types, ports, "
-                                     "plugins, clients"
-                                   : "did you mean '" + nearest + "'?"));
+  return session.fail(wrong_use("usage_unknown_word", "there is no list of '" + kind + "'", {},
+                                nearest.empty()
+                                    ? "components, resources, services, cores, fsms, types, ports, "
+                                      "plugins, clients"
+                                    : "did you mean '" + nearest + "'?"));
 }
 
 int run_show(Session& session) {

@@ -11,7 +11,7 @@ namespace mauve::ctl {
 namespace {
 
 using protocol::Exit;
-using protocol::fault_of;
+using protocol::wrong_use;
 using RenderReceipt = std::string (*)(std::string_view, const Json&, Look);
 
 /// The lines of the change and its receipt; of a dry run, the plan.
@@ -44,14 +44,14 @@ std::variant<Json, Fault> assignments(const std::vector<std::string>& given) {
   for (const auto& one : given) {
     const auto equals = one.find('=');
     if (equals == std::string::npos || equals == 0) {
-      return fault_of(protocol::kUsage, "'" + one + "' is not NAME=VALUE", {},
-                      "example: control.core.gain=0.3");
+      return wrong_use("usage_not_an_assignment", "'" + one + "' is not NAME=VALUE", {},
+                       "example: control.core.gain=0.3");
     }
     const std::string name = one.substr(0, equals);
     if (values.contains(name)) {
       const bool json = one.find_first_of("{[:", equals) != std::string::npos;
-      return fault_of(protocol::kUsage, "'" + name + "' is set twice", {},
-                      json ? "quote JSON for the shell: '" + name + "={...}'" : "");
+      return wrong_use("usage_set_twice", "'" + name + "' is set twice", {},
+                       json ? "quote JSON for the shell: '" + name + "={...}'" : "");
     }
     const std::string text = one.substr(equals + 1);
     auto parsed = protocol::parse_json(text);
@@ -110,9 +110,9 @@ std::variant<std::vector<std::string>, Fault> names_or_all(const Session& sessio
   }
   const bool all = session.arguments.has("--all");
   if (all == names.empty()) return names;
-  return fault_of(protocol::kUsage,
-                  all ? "either names of components, or --all" : "no component named", {},
-                  "example: mauvectl " + verb + " control, or: mauvectl " + verb + " --all");
+  return wrong_use("usage_components_or_all",
+                   all ? "either names of components, or --all" : "no component named", {},
+                   "example: mauvectl " + verb + " control, or: mauvectl " + verb + " --all");
 }
 
 int run_start(Session& session) {
@@ -225,8 +225,8 @@ int run_quarantine(Session& session) {
     return change(session, "quarantine.release", {{"core", core}}, "released " + core);
   }
   if (!action.empty()) {
-    return session.fail(fault_of(protocol::kUsage, "release takes a core", {},
-                                 "example: mauvectl quarantine release guidance/widest_gap"));
+    return session.fail(wrong_use("usage_missing_argument", "release takes a core", {},
+                                  "example: mauvectl quarantine release guidance/widest_gap"));
   }
   const auto answer = session.call("quarantine.list", Json::object());
   if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
@@ -239,8 +239,8 @@ int run_rollback(Session& session) {
   const std::string wanted = session.arguments.one("GENERATION");
   const auto generation = count_of(wanted);
   if (!generation) {
-    return session.fail(fault_of(protocol::kUsage, "'" + wanted + "' is not a generation", {},
-                                 "mauvectl history lists them"));
+    return session.fail(wrong_use("usage_not_a_generation", "'" + wanted + "' is not a generation",
+                                  {}, "mauvectl history lists them"));
   }
   Json params = {{"generation", *generation}};
   add_options(session, params);

@@ -16,6 +16,7 @@ namespace mauve::ctl {
 namespace {
 
 using protocol::fault_of;
+using protocol::wrong_use;
 
 enum class Form { dot, mermaid, svg };
 
@@ -32,14 +33,14 @@ std::variant<Form, Fault> form_of(const Arguments& given) {
   const int said = (given.has("--dot") ? 1 : 0) + (given.has("--mermaid") ? 1 : 0) +
                    (given.has("--svg") ? 1 : 0);
   if (said > 1) {
-    return fault_of(protocol::kUsage, "one of --dot, --mermaid and --svg", {},
-                    "example: mauvectl graph --svg -o rover.svg");
+    return wrong_use("usage_options_conflict", "one of --dot, --mermaid and --svg", {},
+                     "example: mauvectl graph --svg -o rover.svg");
   }
   const std::string file = given.one("-o,--output");
   if (said == 0 && !file.empty() && !is_known_form(file)) {
-    return fault_of(protocol::kUsage, "the name of the file does not say its form", file,
-                    "end it with .svg, .mmd, .mermaid, .dot or .gv, or give --svg, --mermaid or "
-                    "--dot");
+    return wrong_use("usage_unknown_form", "the name of the file does not say its form", file,
+                     "end it with .svg, .mmd, .mermaid, .dot or .gv, or give --svg, --mermaid or "
+                     "--dot");
   }
   if (given.has("--svg") || (said == 0 && file.ends_with(".svg"))) return Form::svg;
   const bool mermaid = file.ends_with(".mmd") || file.ends_with(".mermaid");
@@ -98,8 +99,8 @@ int draw_machine(Session& session, Form form) {
   const auto& object = std::get<Json>(answer);
   const Machine machine = machine_of(object);
   if (machine.states.empty()) {
-    return session.fail(
-        fault_of(protocol::kUsage, "has no state machine", name, "mauvectl list components"));
+    return session.fail(wrong_use("usage_no_state_machine", "has no state machine", name,
+                                  "mauvectl list components"));
   }
   if (wants_answer(session)) {
     session.print(object.value("machine", Json()), {});
@@ -117,8 +118,8 @@ int run_graph(Session& session) {
   const auto names = session.arguments.all("ELEMENT");
   if (session.arguments.has("--fsm")) {
     if (names.empty()) return draw_machine(session, std::get<Form>(form));
-    return session.fail(fault_of(protocol::kUsage, "--fsm draws one component alone", {},
-                                 "example: mauvectl graph --fsm control -o control.svg"));
+    return session.fail(wrong_use("usage_options_conflict", "--fsm draws one component alone", {},
+                                  "example: mauvectl graph --fsm control -o control.svg"));
   }
   const auto answer = session.call("architecture.graph", Json::object());
   if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);

@@ -81,8 +81,8 @@ int run_watch(Session& session) {
   const std::string every = session.arguments.one("--every");
   const auto interval = timeout_of(every);
   if (!every.empty() && !interval) {
-    return session.fail(protocol::fault_of(protocol::kUsage, "'" + every + "' is no duration", {},
-                                           "example: mauvectl watch fix.read --every 500ms"));
+    return session.fail(protocol::wrong_use("usage_not_a_time", "'" + every + "' is no duration",
+                                            {}, "example: mauvectl watch fix.read --every 500ms"));
   }
   Thinning thinning(interval, session.arguments.has("--changes"));
   const auto answer =

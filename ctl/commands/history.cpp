@@ -8,7 +8,7 @@
 
 namespace mauve::ctl {
 
-using protocol::fault_of;
+using protocol::wrong_use;
 
 namespace {
 
@@ -17,14 +17,15 @@ int compare(Session& session, const std::vector<std::string>& generations) {
   for (const std::string& text : generations) {
     const auto number = count_of(text);
     if (!number) {
-      return session.fail(fault_of(protocol::kUsage, "a generation is a number", text,
-                                   "mauvectl history lists them"));
+      return session.fail(wrong_use("usage_not_a_generation", "a generation is a number", text,
+                                    "mauvectl history lists them"));
     }
     numbers.push_back(*number);
   }
   if (numbers.size() != 2) {
-    return session.fail(fault_of(protocol::kUsage, "two generations are compared, not one or three",
-                                 {}, "example: mauvectl history 3 5"));
+    return session.fail(wrong_use("usage_not_a_generation",
+                                  "two generations are compared, not one or three", {},
+                                  "example: mauvectl history 3 5"));
   }
   const auto answer = session.call("config.compare", {{"from", numbers[0]}, {"to", numbers[1]}});
   if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
@@ -45,7 +46,7 @@ int run_history(Session& session) {
     const auto count = count_of(session.arguments.one(kLines));
     if (!count) {
       return session.fail(
-          fault_of(protocol::kUsage, "-n takes a count", session.arguments.one(kLines)));
+          wrong_use("usage_not_a_count", "-n takes a count", session.arguments.one(kLines)));
     }
     params["n"] = *count;
   }

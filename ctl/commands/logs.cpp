@@ -12,7 +12,7 @@ namespace mauve::ctl {
 namespace {
 
 using namespace std::chrono_literals;
-using protocol::fault_of;
+using protocol::wrong_use;
 
 std::variant<Json, Fault> params_of(const Arguments& given) {
   Json params = {{"follow", given.has("-f,--follow")}};
@@ -22,15 +22,15 @@ std::variant<Json, Fault> params_of(const Arguments& given) {
   if (given.has("--since")) {
     const auto since = since_when(given.one("--since"), std::chrono::system_clock::now());
     if (!since) {
-      return fault_of(protocol::kUsage, "'" + given.one("--since") + "' is no time", {},
-                      "examples: --since 10min, --since 12:30, --since 2026-01-31T12:00:00Z");
+      return wrong_use("usage_not_a_time", "'" + given.one("--since") + "' is no time", {},
+                       "examples: --since 10min, --since 12:30, --since 2026-01-31T12:00:00Z");
     }
     params["since"] = *since;
   }
   if (given.has("-n,--lines")) {
     const auto count = count_of(given.one("-n,--lines"));
     if (!count) {
-      return fault_of(protocol::kUsage, "-n takes a count", given.one("-n,--lines"));
+      return wrong_use("usage_not_a_count", "-n takes a count", given.one("-n,--lines"));
     }
     params["n"] = *count;
   }

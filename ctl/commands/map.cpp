@@ -138,8 +138,8 @@ int run_map(Session& session) {
       follow(session, drawing.addresses(), [&](const Sample& sample) { drawing.take(sample); });
   if (drawing.picture.way.empty()) {
     return session.fail(fault.value_or(
-        protocol::fault_of(protocol::kUsage, "it never had a place with x and y",
-                           session.arguments.one("POSE"), "example: mauvectl map pose.read")));
+        protocol::wrong_use("usage_nothing_to_draw", "it never had a place with x and y",
+                            session.arguments.one("POSE"), "example: mauvectl map pose.read")));
   }
   const auto& way = drawing.picture.way;
   const int written = write_output(session, draw_map(drawing.picture),

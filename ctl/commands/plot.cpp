@@ -27,8 +27,8 @@ void hold_to_the_end(std::vector<Series>& all, double end) {
 }
 
 Fault no_numbers(const Session& session) {
-  return protocol::fault_of(protocol::kUsage, "there was no number to plot",
-                            session.arguments.one("ADDRESS"), "mauvectl get shows what it is");
+  return protocol::wrong_use("usage_nothing_to_draw", "there was no number to plot",
+                             session.arguments.one("ADDRESS"), "mauvectl get shows what it is");
 }
 
 }  // namespace

@@ -66,7 +66,8 @@ int run_record(Session& session) {
   });
   if (fault) return session.fail(*fault);
   if (!out.good()) {
-    return session.fail(protocol::fault_of(protocol::kUsage, "the file is not complete", file));
+    return session.fail(
+        bad_file(refuse({Errc::system, "file_not_written"}, file, "the file is not complete")));
   }
   const std::string missing = gaps > 0 ? ", and a gap at " + counted(gaps, "empty row") : "";
   report_output(session, "recorded " + counted(rows, "value") + missing,

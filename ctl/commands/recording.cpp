@@ -11,7 +11,7 @@ namespace mauve::ctl {
 namespace {
 
 using namespace std::chrono_literals;
-using protocol::fault_of;
+using protocol::wrong_use;
 
 /// The path distinguishes fields within fields; lists stay whole.
 void add_channels(const Json& fields, Channel prefix, std::vector<Channel>& channels) {
@@ -71,8 +71,8 @@ std::optional<Fault> follow(Session& session, const std::vector<std::string>& ad
   if (session.arguments.has("--for")) {
     const auto given = timeout_of(session.arguments.one("--for"));
     if (!given) {
-      return fault_of(protocol::kUsage, "--for takes a time", session.arguments.one("--for"),
-                      "example: --for 10s");
+      return wrong_use("usage_not_a_time", "--for takes a time", session.arguments.one("--for"),
+                       "example: --for 10s");
     }
     length = *given;
   }

@@ -26,8 +26,9 @@ int run_stats(Session& session) {
   const std::string component = session.arguments.one("COMPONENT");
   if (address == "reset") return reset(session, component);
   if (!component.empty()) {
-    return session.fail(protocol::fault_of(protocol::kUsage, "one address at a time", component,
-                                           "mauvectl stats reset " + component + " counts anew"));
+    return session.fail(protocol::wrong_use("usage_too_many_arguments", "one address at a time",
+                                            component,
+                                            "mauvectl stats reset " + component + " counts anew"));
   }
   const Json params = address.empty() ? Json::object() : Json{{"address", address}};
   const auto answer = session.call("stats.get", params);

@@ -130,8 +130,8 @@ int run_doctor(Session& session) {
   const std::string asked = session.arguments.one("--wake");
   const auto time = timeout_of(asked);
   if (!asked.empty() && (!time || *time > std::chrono::minutes(10))) {
-    return session.fail(protocol::fault_of(protocol::kUsage, "not a time to measure, at most 10min",
-                                           asked, "example: --wake 10s"));
+    return session.fail(protocol::wrong_use(
+        "usage_not_a_time", "not a time to measure, at most 10min", asked, "example: --wake 10s"));
   }
   const Facts facts = gather(session);
   std::vector<Named> all;

@@ -13,7 +13,7 @@ namespace mauve::ctl {
 namespace {
 
 using namespace std::chrono_literals;
-using protocol::fault_of;
+using protocol::wrong_use;
 
 constexpr const char* kCount = "-n,--count";
 
@@ -29,15 +29,15 @@ std::variant<Pace, Fault> pace_of(const Arguments& given) {
   if (given.has("--interval")) {
     const auto interval = timeout_of(given.one("--interval"));
     if (!interval || *interval < kShortest) {
-      return fault_of(protocol::kUsage, "--interval takes a time of 100ms or more",
-                      given.one("--interval"), "example: --interval 2s");
+      return wrong_use("usage_not_a_time", "--interval takes a time of 100ms or more",
+                       given.one("--interval"), "example: --interval 2s");
     }
     pace.interval = *interval;
   }
   if (given.has(kCount)) {
     pace.count = count_of(given.one(kCount));
     if (!pace.count || *pace.count == 0) {
-      return fault_of(protocol::kUsage, "-n takes a count of 1 or more", given.one(kCount));
+      return wrong_use("usage_not_a_count", "-n takes a count of 1 or more", given.one(kCount));
     }
   }
   return pace;
@@ -155,8 +155,8 @@ int run_top(Session& session) {
   const Pace pace = std::get<Pace>(asked);
   if (session.arguments.has("-b,--batch") || session.screen.json) return run_batch(session, pace);
   if (!Terminal::is_there()) {
-    return session.fail(fault_of(protocol::kUsage, "top needs a terminal, and this is none", {},
-                                 "for scripts: mauvectl top -b -n 1"));
+    return session.fail(wrong_use("usage_needs_terminal", "top needs a terminal, and this is none",
+                                  {}, "for scripts: mauvectl top -b -n 1"));
   }
   LiveTop live(session, pace);
   auto fault = live.begin();

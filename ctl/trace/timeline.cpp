@@ -45,12 +45,12 @@ std::optional<Fault> nothing_in(const mtrace::Trace& trace, const mtrace::View& 
   const bool after = view.from && *view.from > last;
   const bool before = view.to && *view.to < first;
   if (!after && !before) return std::nullopt;
-  return protocol::fault_of(protocol::kUsage,
-                            std::string(after ? "--from lies after" : "--to lies before") +
-                                " the trace, so there is nothing to draw",
-                            {},
-                            "the trace goes from " + mtrace::instant_in_words(first) + " to " +
-                                mtrace::instant_in_words(last));
+  return protocol::wrong_use("usage_nothing_to_draw",
+                             std::string(after ? "--from lies after" : "--to lies before") +
+                                 " the trace, so there is nothing to draw",
+                             {},
+                             "the trace goes from " + mtrace::instant_in_words(first) + " to " +
+                                 mtrace::instant_in_words(last));
 }
 
 int write_picture(Session& session, const mtrace::Timeline& timeline) {
@@ -70,11 +70,12 @@ int run_timeline(Session& session) {
   mtrace::View view;
   view.components = split(session.arguments.all("--component"));
   if (!read_time(session, "--from", view.from) || !read_time(session, "--to", view.to)) {
-    return session.fail(protocol::fault_of(protocol::kUsage, "--from and --to are times since T0",
-                                           {}, "example: --from 1.2s --to 1.25s"));
+    return session.fail(protocol::wrong_use("usage_not_a_time",
+                                            "--from and --to are times since T0", {},
+                                            "example: --from 1.2s --to 1.25s"));
   }
   if (view.from && view.to && *view.to <= *view.from) {
-    return session.fail(protocol::fault_of(protocol::kUsage, "--to is not after --from"));
+    return session.fail(protocol::wrong_use("usage_options_conflict", "--to is not after --from"));
   }
   const auto trace = trace_of(session);
   if (const auto* fault = std::get_if<Fault>(&trace)) return session.fail(*fault);

@@ -14,13 +14,9 @@
 namespace mauve::ctl {
 namespace {
 
-using protocol::fault_of;
+using protocol::wrong_use;
 
 constexpr const char* kFileOption = "-o,--output";
-
-Fault wrong_use(const std::string& message, const std::string& where) {
-  return fault_of(protocol::kUsage, message, where, "example: mauvectl trace dump -o now.mtrace");
-}
 
 std::string in_words(const Json& status) {
   const bool on = status.value("on", false);
@@ -51,7 +47,8 @@ int start(Session& session) {
     const auto kept = parse_duration(text);
     constexpr std::chrono::seconds kOne{1};
     if (!kept || *kept < kOne || (*kept % kOne).count() != 0) {
-      return session.fail(wrong_use("--for takes whole seconds, such as 10s", text));
+      return session.fail(wrong_use("usage_not_a_time", "--for takes whole seconds", text,
+                                    "example: mauvectl trace start --for 10s"));
     }
     params["seconds"] = *kept / kOne;
   }
@@ -81,7 +78,9 @@ int list(Session& session) {
 
 int dump(Session& session) {
   const std::string file = session.arguments.one(kFileOption);
-  if (file.empty()) return session.fail(wrong_use("-o says into which file", {}));
+  if (file.empty())
+    return session.fail(wrong_use("usage_missing_argument", "-o says into which file", {},
+                                  "example: mauvectl trace dump -o now.mtrace"));
   const auto read = read_live(session, session.arguments.one("RECORDING"));
   if (const auto* fault = std::get_if<Fault>(&read)) return session.fail(*fault);
   const auto& trace = std::get<mtrace::Trace>(read);

@@ -142,11 +142,17 @@ Fault fault_of(int code, std::string message, std::string where, std::string hin
     if (row.code != code) continue;
     fault.name = row.name;
     fault.exit = static_cast<int>(row.exit);
-    if (row.exit != Exit::usage) fault.id = row.name;  // the hint of a wrong use suffices
+    fault.id = row.name;
   }
   fault.message = std::move(message);
   fault.where = std::move(where);
   fault.hint = std::move(hint);
+  return fault;
+}
+
+Fault wrong_use(std::string id, std::string message, std::string where, std::string hint) {
+  Fault fault = fault_of(kUsage, std::move(message), std::move(where), std::move(hint));
+  fault.id = std::move(id);
   return fault;
 }
 

@@ -61,6 +61,9 @@ struct Fault {
 /// One of the codes above, with the name and exit code that belong to it.
 [[nodiscard]] Fault fault_of(int code, std::string message, std::string where = {},
                              std::string hint = {});
+/// kUsage: a wrong use of mauvectl, with the name of its entry in refusals.def.
+[[nodiscard]] Fault wrong_use(std::string id, std::string message, std::string where = {},
+                              std::string hint = {});
 /// Back again: unknown names and JSON-RPC's own become invalid_value.
 [[nodiscard]] Error error_of(const Fault& fault);
 /// "unknown_name" -> Errc::unknown_name.

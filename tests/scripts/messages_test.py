@@ -75,6 +75,21 @@ class Messages(unittest.TestCase):
     def test_refuses_a_refusal_without_a_name(self):
         self.refused(CODE + 'refuse(Errc::system, path, "is lost");\n', "1 refusals without a name")
 
+    def test_refuses_a_wrong_use_without_a_row(self):
+        self.refused(CODE + 'return wrong_use(\n    "usage_word", text);\n', '"usage_word" has no row of kind usage')
+
+    def test_refuses_a_wrong_use_without_a_name(self):
+        self.refused(CODE + 'return fault_of(protocol::kUsage, text);\n', "1 refusals without a name")
+        self.refused(CODE + "return wrong_use(text);\n", "1 refusals without a name")
+
+    def test_lets_a_wrong_use_be_named_and_passed_on(self):
+        self.write("daemon/protocol/refusals.def", REFUSALS + 'MAUVE_REFUSAL(usage_word, usage, unsent, "It is '
+                   'none.", "Look.")\n')
+        self.write("daemon/files.cpp", CODE + 'wrong_use("usage_word", text); wrong_use(error.id, error.message);\n')
+        self.assertEqual(self.run_script()[0], 0)
+        page = (self.root / "docs/messages.md").read_text("utf-8")
+        self.assertIn("| `usage_word` | usage | It is none. Nothing was sent to mauved. | Look. |", page)
+
     def test_refuses_two_messages_of_one_name(self):
         self.write("daemon/protocol/errors.def", ERRORS + 'MAUVE_ERROR(file_gone, "It is gone.", "Look.")\n')
         self.refused(CODE, "two messages have this name")

@@ -93,7 +93,9 @@ TEST(Mauvectl, PrintsWrongUseAsJsonWhereAsked) {
 
   program.wait();
 
-  EXPECT_EQ(protocol::Json::parse(program.text)["error"]["exit"], 2);
+  const auto error = protocol::Json::parse(program.text)["error"];
+  EXPECT_EQ(error["exit"], 2);
+  EXPECT_EQ(error["id"], "usage_unknown_command");
 }
 
 TEST(Mauvectl, SaysAtCtrlCThatTheChangeMayGoOn) {

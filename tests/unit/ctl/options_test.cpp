@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "cli/help.h"
@@ -99,6 +100,7 @@ TEST(Options, RefuseValuesThatNothingTakes) {
     const Misuse misuse = refused(words);
     EXPECT_EQ(misuse.fault.exit, 2) << words.back();
     EXPECT_FALSE(misuse.fault.hint.empty()) << words.back();
+    EXPECT_THAT(misuse.fault.id, testing::AnyOf("usage_unknown_word", "usage_not_a_time"));
   }
   EXPECT_EQ(accepted({"lock", "params"}).arguments.one("LOCK"), "params");
   EXPECT_EQ(accepted({"timeline", "drive.mtrace"}).arguments.one("FILE"), "drive.mtrace");
@@ -124,6 +126,19 @@ TEST(Options, AreWrongUseWithExitCode2) {
         Words{"stop", "a", "--if-generation", "x"}, Words{"stop", "a", "--if-generation", "-1"}}) {
     EXPECT_EQ(refused(words).fault.exit, 2);
   }
+}
+
+TEST(Options, NameTheEntryOfEachWrongUse) {
+  EXPECT_EQ(refused({}).fault.id, "usage_missing_argument");
+  EXPECT_EQ(refused({"get"}).fault.id, "usage_missing_argument");
+  EXPECT_EQ(refused({"status", "--timeout"}).fault.id, "usage_missing_argument");
+  EXPECT_EQ(refused({"status", "--json=please"}).fault.id, "usage_missing_argument");
+  EXPECT_EQ(refused({"staus"}).fault.id, "usage_unknown_command");
+  EXPECT_EQ(refused({"status", "--jsn"}).fault.id, "usage_unknown_option");
+  EXPECT_EQ(refused({"status", "extra"}).fault.id, "usage_too_many_arguments");
+  EXPECT_EQ(refused({"--wait", "5", "status"}).fault.id, "usage_not_a_time");
+  EXPECT_EQ(refused({"status", "--reason", "x"}).fault.id, "usage_changes_nothing");
+  EXPECT_EQ(refused({"stop", "a", "--if-generation", "x"}).fault.id, "usage_not_a_generation");
 }
 
 TEST(Options, AnswerWrongUseAsJsonWhereAsked) {

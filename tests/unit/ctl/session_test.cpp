@@ -125,7 +125,9 @@ TEST(Set, SaysHowToWriteWhatTheShellTookApart) {
 }
 
 TEST(Stop, WantsNamesOrAll) {
-  EXPECT_EQ(run("/nowhere", {"stop"}).exit, 2);
+  const Outcome none = run("/nowhere", {"stop"});
+  EXPECT_EQ(none.exit, 2);
+  EXPECT_THAT(none.err, testing::HasSubstr("explain: mauvectl explain usage_components_or_all\n"));
   EXPECT_EQ(run("/nowhere", {"stop", "a", "--all"}).exit, 2);
   EXPECT_EQ(Scene({"stop", "--all"}, kSwapReceipt).asked[0].params, (Json{{"all", true}}));
   EXPECT_EQ(Scene({"stop", "a", "b"}, kSwapReceipt).asked[0].params,

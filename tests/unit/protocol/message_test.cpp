@@ -147,6 +147,23 @@ TEST(FaultOf, ChoosesTheExitCodeOfTheClient) {
   EXPECT_EQ(fault_of(kUnknownMethod, "").exit, 2);
 }
 
+TEST(FaultOf, NamesTheEntryOfEachCodeOfTheProtocol) {
+  EXPECT_EQ(fault_of(kParseError, "").id, "parse_error");
+  EXPECT_EQ(fault_of(kInvalidParams, "").id, "invalid_params");
+  EXPECT_EQ(fault_of(kUnreachable, "").id, "unreachable");
+}
+
+TEST(WrongUse, HasAnEntryOfItsOwn) {
+  const Fault fault = wrong_use("usage_not_a_time", "'soon' is no time", "--for", "example: 10s");
+
+  EXPECT_EQ(fault.name, "usage");
+  EXPECT_EQ(fault.exit, 2);
+  EXPECT_EQ(fault.state, "unchanged");
+  EXPECT_EQ(fault.id, "usage_not_a_time");
+  EXPECT_EQ(fault.where, "--for");
+  EXPECT_EQ(fault.hint, "example: 10s");
+}
+
 TEST(ServerMessage, DistinguishesAnswersFromNotifications) {
   const auto answer = parse_server_message(to_line(make_response(5, {{"pong", true}})));
   const auto hello = parse_server_message(to_line(make_notification("hello", {{"role", "admin"}})));
