@@ -25,6 +25,18 @@ has a name. `mauvectl explain NAME` prints its entry on this page, also without 
 the tables of the programs by `scripts/messages.py`.
 
 In the text of an event, a word in braces stands for a value: `{cause}`.
+
+These words stand in many entries; the [glossary](glossary.md) has more:
+
+- *core*: the algorithm of a component; it can be exchanged while the component runs.
+- *hook*: a function of a plugin that mauved calls to prepare or to end something, such as `on_configure()`.
+- *job*: one run of a core, from its release to its next wait.
+- *safe values*: the outputs that a component gives out when it stops or fails.
+- *generation*: the number of a state of the running system; each change makes the next one.
+- *on probation*: the time after a change in which a failure rolls the change back.
+- *quarantine*: the cores that failed on probation; no change puts them in force until somebody releases them.
+- *abandoned*: a thread whose code did not return. It may hang until mauved ends, and nothing waits for it.
+- *poisoned*: a resource in which a call was aborted. It refuses all callers until it has a new core.
 """
 STRING = r'"((?:[^"\\]|\\.)*)"'
 ENTRY = re.compile(r"MAUVE_(EVENT|ERROR|FAILURE)\(((?:0x\w+, )?)(\w+), (?:(\w+),\s*)?"
@@ -125,11 +137,11 @@ def page(root):
     log = (root / "daemon/log/events.def").read_text("utf-8")
     errors = (root / "daemon/protocol/errors.def").read_text("utf-8")
     named = (root / TABLES[2]).read_text("utf-8")
-    parts = [HEAD, "\n## Kinds of refusals\n\nA refusal has changed nothing, with the exception of `partly`. Its kind "
-             "is `name` on the wire.\n",
+    parts = [HEAD, "\n## Kinds of refusals\n\nA refusal has changed nothing, with the exception of `partly`. On the wire "
+             "its kind is the member `name`.\n",
              *table(errors, "ERROR"),
-             "\n## Refusals\n\nA refusal has a name of its own, `id` on the wire, and `mauvectl` prints it below the "
-             "refusal. All components run\non as before, unless the entry says otherwise.\n",
+             "\n## Refusals\n\nA refusal has a name of its own, the member `id` on the wire, and `mauvectl` prints it below "
+             "the refusal. All\ncomponents run on as before, unless the entry says otherwise.\n",
              *refusal_pages(named),
              "\n## Failures\n\nAfter each of these failures the outputs of the component have their safe values. A rollback, a "
              "standby core or a\nrestart follows, as the architecture file says.\n",

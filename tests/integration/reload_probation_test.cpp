@@ -96,7 +96,7 @@ TEST(ReloadOnProbation, LeavesNoCodeBehindWhereACoreStoodBy) {
   static_cast<void>(daemon.client());
   daemon.install(2);
   ASSERT_EQ(daemon.ask("plugin.reload", kTrialAgain)["state"], "applied");
-  EXPECT_TRUE(logs(daemon, "the code of plugin trial before stays in memory")) << daemon.errors();
+  EXPECT_TRUE(logs(daemon, "the older code of plugin trial stays in memory")) << daemon.errors();
 
   ASSERT_EQ(daemon.ask("change.undo")["state"], "applied");
 

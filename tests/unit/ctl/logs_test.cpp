@@ -148,7 +148,7 @@ TEST(Explain, SaysOfEachRefusalWhatItMeansForTheRunningSystem) {
       run("/nowhere", {"explain", "outcome_unknown"}).out,
       "outcome_unknown\n"
       "  kind   : refusal, timed_out\n"
-      "  meaning: The deadline of the command passed while its change was taking effect.\n"
+      "  meaning: The time of the command (--timeout) ended while its change was taking effect.\n"
       "  system : The change may still take effect: `mauvectl history` shows whether it did.\n"
       "  advice : Do not send it again at once: mauvectl history shows whether it made a "
       "generation.\n");
