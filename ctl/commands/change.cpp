@@ -209,8 +209,9 @@ int run_undo(Session& session) {
   const std::string lines = change_lines(receipt, session.look());
   const std::string changes = changes_in_words(member(receipt, "undone"));
   if (member(receipt, "dry_run") == true) {
-    session.print(receipt, lines + "undo would take back " + changes +
-                               "\nnothing was changed (generation " + word(receipt, "generation") +
+    session.print(receipt, lines + "undo would take back " + changes + "\n" +
+                               note_lines(receipt, session.look()) +
+                               "nothing was changed (generation " + word(receipt, "generation") +
                                " still running)\n");
     return 0;
   }

@@ -49,6 +49,8 @@ struct Look {
 [[nodiscard]] std::string render_receipt(std::string_view done, const Json& receipt, Look look);
 /// States that no core takes, one a line.
 [[nodiscard]] std::string dropped_states(const Json& receipt, Look look);
+/// The remarks of the answer, "note: ...", one a line.
+[[nodiscard]] std::string note_lines(const Json& receipt, Look look);
 [[nodiscard]] std::string render_quarantine(const Json& list, Look look);
 
 /// "loaded extra (generation 43)", with the fate of the old code, and warnings.

@@ -82,13 +82,18 @@ std::string render_plan(std::string_view file, const Json& result, Look look) {
   for (const Json& member : list_in(result, "components")) {
     join(members, word(member, "name"));
     const auto bytes = whole_number(member, "bytes");
-    if (bytes > 0) members += " (" + counted(bytes, "byte") + " of state kept)";
+    const std::string converted = word(member, "converted");
+    if (!converted.empty()) {
+      members += " (state converted: " + converted + ")";
+    } else if (bytes > 0) {
+      members += " (" + counted(bytes, "byte") + " of state kept)";
+    }
   }
   std::string text = "everything is prepared and would be applied";
   if (!members.empty()) text += "; at the same instant: " + members;
   return lines + at_barrier(result, true, look) + wrapped(text, look.width, 2) + "\n" +
-         dropped_states(result, look) + "nothing was changed (generation " +
-         word(result, "generation") + " still running)\n";
+         dropped_states(result, look) + note_lines(result, look) +
+         "nothing was changed (generation " + word(result, "generation") + " still running)\n";
 }
 
 }  // namespace mauve::ctl

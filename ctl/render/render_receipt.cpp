@@ -96,9 +96,29 @@ std::string standing(const Json& receipt, Look look) {
   return text;
 }
 
+/// ", 16 bytes of state kept, state converted: count/1 -> count/2"
+std::string kept_states(const Json& receipt) {
+  std::uint64_t bytes = 0;
+  std::string converted;
+  for (const Json& one : list_in(receipt, "components")) {
+    const std::string types = word(one, "converted");
+    if (types.empty()) bytes += whole_number(one, "bytes");
+    if (!types.empty()) converted += ", state converted: " + types;
+  }
+  return (bytes > 0 ? ", " + counted(bytes, "byte") + " of state kept" : "") + converted;
+}
+
 }  // namespace
 
 std::string dropped_states(const Json& receipt, Look look) { return dropped(receipt, look); }
+
+std::string note_lines(const Json& receipt, Look look) {
+  std::string text;
+  for (const Json& note : list_in(receipt, "notes")) {
+    text += wrapped("note: " + harmless(compact(note)), look.width, 2) + "\n";
+  }
+  return text;
+}
 
 std::string render_receipt(std::string_view done, const Json& receipt, Look look) {
   const std::string generation = word(receipt, "generation");
@@ -113,17 +133,15 @@ std::string render_receipt(std::string_view done, const Json& receipt, Look look
   if (state == "safe") text += " only partly, the robot is in its safe state";
   double pause = 0;
   std::uint64_t missed = 0;
-  std::uint64_t bytes = 0;
   for (const Json& one : components) {
     pause = std::max(pause, number(one, "pause_ns"));
     missed += whole_number(one, "missed");
-    bytes += whole_number(one, "bytes");
   }
   if (!components.empty()) {
     text += components.size() > 1 ? ": longest pause " : ": pause ";
     text += nanoseconds_in_words(pause) + ", " + counted(missed, "release") + " missed";
   }
-  if (bytes > 0) text += ", " + counted(bytes, "byte") + " of state kept";
+  text += kept_states(receipt);
   const auto attempts = whole_number(receipt, "attempts");
   if (attempts > 1) text += ", " + counted(attempts, "attempt");
   text += " (generation " + generation + on_probation(receipt);
@@ -134,11 +152,7 @@ std::string render_receipt(std::string_view done, const Json& receipt, Look look
   }
   text = wrapped(text, look.width, 2) + "\n";
   text += already + defaults(receipt, look) + gone(receipt, look) + kept(receipt, look) +
-          dropped(receipt, look) + standing(receipt, look);
-  const Json& notes = member(receipt, "notes");
-  for (const Json& note : notes.is_array() ? notes : Json::array()) {
-    text += wrapped("note: " + harmless(compact(note)), look.width, 2) + "\n";
-  }
+          dropped(receipt, look) + standing(receipt, look) + note_lines(receipt, look);
   const Json& warnings = member(receipt, "warnings");
   for (const Json& warning : warnings.is_array() ? warnings : Json::array()) {
     const std::string line = "warning: " + harmless(compact(warning));

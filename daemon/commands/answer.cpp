@@ -206,6 +206,9 @@ Json to_json(const Receipt& receipt) {
       row["dropped"] = member.dropped;
       row["dropped_bytes"] = member.dropped_bytes;
     }
+    if (!member.converted.empty()) {
+      row["converted"] = member.converted;
+    }
     members.push_back(std::move(row));
   }
   Json result = {

@@ -84,6 +84,23 @@ TEST(Reload, ConvertsTheStateOfAnOlderRevisionAndUnmapsItsCode) {
   EXPECT_GT(daemon.value("first.core.count"), 50);
 }
 
+TEST(Reload, AndUndoSayThatARollbackContinuesWithTheStateBeforeAConversion) {
+  TrialDaemon daemon;
+  ASSERT_TRUE(daemon.becomes("first.core.number", 1)) << daemon.errors();
+  daemon.install(3);
+
+  const auto result = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+  const auto plan = daemon.ask("change.undo", {{"dry_run", true}});
+  const auto undone = daemon.ask("change.undo");
+
+  EXPECT_EQ(result["components"][0]["converted"], "trial_memory/1 -> trial_memory/2") << result;
+  for (const auto& answer : {result, plan, undone}) {
+    EXPECT_THAT(answer["notes"].dump(),
+                HasSubstr("first: a rollback continues with the state from before the change"))
+        << answer;
+  }
+}
+
 TEST(Reload, RefusesToLoseAStateUnlessTheRequestSaysDrop) {
   TrialDaemon daemon;
   static_cast<void>(daemon.client());

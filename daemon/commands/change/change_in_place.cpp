@@ -6,6 +6,7 @@
 #include "commands/model.h"
 #include "commands/recovery/abandoned.h"
 #include "commands/recovery/unproven.h"
+#include "exec/system/books.h"
 #include "exec/system/prepared.h"
 #include "mauve/host/architecture.h"
 
@@ -83,7 +84,12 @@ void exchange_when_parked(Running& running, const CallPtr& call, ChangeRequestPt
 }
 
 void park_in_place(Running& running, const CallPtr& call, ChangeRequestPtr request, Ticket ticket) {
-  request->before.bundle = (**request->prepared).content().members.front().base;
+  const auto& member = (**request->prepared).content().members.front();
+  request->before.bundle = member.base;
+  if (request->change.probation) {
+    exec::note_one_way(member.component->name(), *member.next->core, *member.base->core,
+                       member.state, request->notes);
+  }
   auto parking = running.deployer.begin_in_place_park(**request->prepared);
   when_answered(running, std::move(parking),
                 [&running, call, request, ticket = std::move(ticket)](Ongoing& done) mutable {

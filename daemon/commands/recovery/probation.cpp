@@ -10,7 +10,10 @@
 #include "commands/change/change.h"
 #include "commands/lock.h"
 #include "commands/recovery/unproven.h"
+#include "commands/say.h"
+#include "exec/system/books.h"
 #include "judge/judgement.h"
+#include "mauve/host/architecture.h"
 #include "state/state_store.h"
 
 namespace mauve::daemon {
@@ -76,6 +79,7 @@ struct Tried {
   std::vector<std::uint64_t> changes;
   std::vector<std::string> components;
   std::optional<PlaceTarget> place;  ///< of a swap in place
+  std::vector<std::string> notes = {};
 };
 
 Json tried_json(const Tried& change) {
@@ -104,21 +108,29 @@ Tried newest_of(const Running& running) {
   Tried newest;
   for (const auto& open : running.deployer.probations()) {
     if (!open.rolls_back) {
-      newest = {open.changes, open.components, std::nullopt};
+      newest = {open.changes, open.components, std::nullopt, open.notes};
     }
   }
   const auto than = newest.changes.empty() ? 0 : newest.changes.back();
   if (auto place = newest_place(running, than)) {
     newest = {{place->generation}, {place->component}, std::move(place)};
+    const auto before = newest.place->before.lock();
+    const auto* component = running.architecture.find_component(newest.place->component);
+    if (before != nullptr && component != nullptr) {
+      exec::note_one_way(component->name(), component->core(), *before->core, StatePolicy::keep,
+                         newest.notes);
+    }
   }
   return newest;
 }
 
 /// The answer to `undo` of these changes, before they are rolled back.
 Json undone_json(const Running& running, const Tried& newest) {
-  return {{"lines", running.rollback_lines.back_from(newest.changes)},
-          {"undone", tried_json(newest)},
-          {"components", Json::array()}};
+  Json result = {{"lines", running.rollback_lines.back_from(newest.changes)},
+                 {"undone", tried_json(newest)},
+                 {"components", Json::array()}};
+  say_notes(newest.notes, result);
+  return result;
 }
 
 /// A rollback that mauved decides is a matter of safety, and no lock holds it. One that a user asks

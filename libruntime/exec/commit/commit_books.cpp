@@ -55,7 +55,7 @@ void Commit::enter(std::size_t index) {
   const std::uint64_t missed = deployed_[index]->task->counters().missed.load();
   MemberReceipt row{member.component->name(), settled.pause, missed - missed_before_[index],
                     settled.bytes};
-  say_dropped(*member.base->core, *member.next->core, member.state, row);
+  say_states(*member.base->core, *member.next->core, member.state, row);
   receipt_.components.push_back(std::move(row));
 }
 
@@ -72,7 +72,7 @@ void Commit::enter_resources() {
     change.made.forget();
     MemberReceipt row{change.resource->name(), update.pause(), 0, update.bytes()};
     if (change.parts.core != nullptr) {
-      say_dropped(*change.base.core, *change.parts.core, change.state, row);
+      say_states(*change.base.core, *change.parts.core, change.state, row);
     }
     receipt_.components.push_back(std::move(row));
   }

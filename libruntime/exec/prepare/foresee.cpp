@@ -23,7 +23,7 @@ MemberReceipt row_of(const std::string& name, const CoreBase& from, const CoreBa
   if (&from == &into) return row;
   const auto plan = plan_hand_over(from, into, policy);
   if (plan) row.bytes = plan->bytes;
-  say_dropped(from, into, policy, row);
+  say_states(from, into, policy, row);
   return row;
 }
 

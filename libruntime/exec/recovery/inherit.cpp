@@ -112,6 +112,32 @@ bool brings_code(const Content& change) {
   });
 }
 
+/// The core that a rollback of the change brings back: that from before the changes that it joins.
+const CoreBase& core_before(const System& system, const Content& change,
+                            const PreparedMember& member) {
+  for (const auto& one : system.probations) {
+    if (one->reported() || !concerns(system, change, one->content())) continue;
+    if (!can_join(change, one->content())) continue;
+    for (std::size_t i = 0; i < one->members().size(); ++i) {
+      if (one->content().members[i].component != member.component) continue;
+      return *one->members()[i].origin.bundle->core;
+    }
+  }
+  return *member.base->core;
+}
+
+/// The states that a rollback of the change cannot bring back.
+void note_one_ways(const System& system, const Content& change, std::vector<std::string>& notes) {
+  for (const PreparedMember& one : change.members) {
+    const CoreBase& before = core_before(system, change, one);
+    note_one_way(one.component->name(), *one.next->core, before, one.state, notes);
+  }
+  for (const PreparedResource& one : change.resources) {
+    if (one.parts.core == nullptr) continue;
+    note_one_way(one.resource->name(), *one.parts.core, *one.base.core, one.state, notes);
+  }
+}
+
 std::string in_words(const std::vector<std::string>& names) {
   std::string words;
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -227,6 +253,7 @@ std::vector<std::string> notes_of(const System& system, const Content& change) {
     note_unexamined(one.resource->name(), *one.base.core, *one.parts.core, one.state, notes);
   }
   if (changes_modes_only(change)) return notes;
+  if (change.probation) note_one_ways(system, change, notes);
   for (const auto& one : system.probations) {
     if (one->reported() || !concerns(system, change, one->content())) continue;
     const OpenProbation open = one->look();

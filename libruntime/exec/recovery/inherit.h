@@ -62,8 +62,8 @@ class Heritage {
 void adopt(PreparedChange::Content& before, PreparedChange::Content& heir,
            const std::vector<MemberRollback>& members, Retired& retired);
 
-/// The consequences of the change for open probations, in sentences: those that it joins, and those
-/// that it ends early. [control]
+/// In sentences: the states that are kept unexamined or that a rollback cannot bring back, and the
+/// open probations that the change joins or ends early. [control]
 [[nodiscard]] std::vector<std::string> notes_of(const System& system,
                                                 const PreparedChange::Content& change);
 

@@ -179,11 +179,17 @@ OpenProbation ProbationPeriod::look() const {
                      Duration{system_.runner->now() - began_},
                      *content_->probation,
                      rollback_->rolls_back()};
-  for (const PreparedMember& member : content_->members) {
+  for (std::size_t i = 0; i < content_->members.size(); ++i) {
+    const PreparedMember& member = content_->members[i];
+    const Origin& origin = members_[i].origin;
     open.components.emplace_back(member.component->name());
+    note_one_way(open.components.back(), *member.next->core, *origin.bundle->core, origin.state,
+                 open.notes);
   }
   for (const PreparedResource& one : content_->resources) {
     open.components.emplace_back(one.resource->name());
+    if (one.parts.core == nullptr) continue;
+    note_one_way(open.components.back(), *one.parts.core, *one.base.core, one.state, open.notes);
   }
   return open;
 }

@@ -40,8 +40,12 @@ void schedule(System& system, Deployed& deployed) {
   deployed.realtime = system.realtime && system.runner->is_fifo(*deployed.task, task.priority);
 }
 
-void say_dropped(const CoreBase& from, const CoreBase& into, StatePolicy policy,
-                 MemberReceipt& row) {
+void say_states(const CoreBase& from, const CoreBase& into, StatePolicy policy,
+                MemberReceipt& row) {
+  const auto plan = plan_hand_over(from, into, policy);
+  if (plan && plan->convert != nullptr) {
+    row.converted = from.state()->type().name + " -> " + into.state()->type().name;
+  }
   for (const DataType* dropped : dropped_states(from, into, policy)) {
     row.dropped += (row.dropped.empty() ? "" : " and ") + dropped->name;
     row.dropped_bytes += dropped->size;
@@ -55,6 +59,14 @@ void note_unexamined(const std::string& at, const CoreBase& from, const CoreBase
                     " B) is kept as it is. Its description has no fields, so only "
                     "its name and size were compared; --state drop would start it fresh");
   }
+}
+
+void note_one_way(const std::string& at, const CoreBase& now, const CoreBase& before,
+                  StatePolicy policy, std::vector<std::string>& notes) {
+  if (before.state() == nullptr || plan_hand_over(now, before, policy)) return;
+  notes.push_back(at + ": a rollback continues with the state from before the change (" +
+                  before.state()->type().name + "): its core has no converter from " +
+                  now.state()->type().name + ", so its outputs may jump");
 }
 
 void exchange_fallbacks(Architecture& architecture, std::vector<NewFallback>& fallbacks) {

@@ -31,14 +31,19 @@ void retire(const Bundle& old, const Bundle& now, Retired& retired);
 /// Gives the thread the priority and the CPUs of its committed bundle. [control]
 void schedule(System& system, Deployed& deployed);
 
-/// Enters the states that no core took into the receipt of a member.
-void say_dropped(const CoreBase& from, const CoreBase& into, StatePolicy policy,
-                 MemberReceipt& row);
+/// Enters the states that were converted, and those that no core took, into the receipt of a
+/// member.
+void say_states(const CoreBase& from, const CoreBase& into, StatePolicy policy, MemberReceipt& row);
 
 /// Adds a note for each state whose description has no fields, so that only its name and size were
 /// compared.
 void note_unexamined(const std::string& at, const CoreBase& from, const CoreBase& into,
                      StatePolicy policy, std::vector<std::string>& notes);
+
+/// Adds a note when the rollback from `now` to `before` cannot hand the state over: `before` has no
+/// converter from it, so it continues with the state that it had.
+void note_one_way(const std::string& at, const CoreBase& now, const CoreBase& before,
+                  StatePolicy policy, std::vector<std::string>& notes);
 
 /// Exchanges the fallback cores of components with these.
 void exchange_fallbacks(Architecture& architecture, std::vector<NewFallback>& fallbacks);

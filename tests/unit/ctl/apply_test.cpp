@@ -104,6 +104,19 @@ TEST(RenderPlan, SaysWhoTakesPartAndWhatIsKept) {
   EXPECT_EQ(render_plan("rover.json", kSame, {}), "rover.json is what runs (generation 41)\n");
 }
 
+TEST(RenderPlan, SaysWhichStateIsConvertedAndShowsTheNotes) {
+  Json result = kResult;
+  result["components"][0]["converted"] = "count/1 -> count/2";
+  result["notes"] = {"a rollback continues with another state"};
+
+  EXPECT_EQ(render_plan("rover.json", result, {}),
+            std::string(kLines) +
+                "everything is prepared and would be applied; at the same instant: control (state "
+                "converted: count/1 -> count/2), watcher\n"
+                "note: a rollback continues with another state\n"
+                "nothing was changed (generation 42 still running)\n");
+}
+
 TEST(Apply, SendsTheTextOfTheFileAndWhatWasSaid) {
   const Scene scene({"apply", kFile, "--state", "drop", "--sync", "cut", "--probation", "off",
                      "--if-generation", "41", "--reason", "x"},

@@ -137,6 +137,16 @@ TEST(RenderReceipt, CountsOverAllComponents) {
       "(generation 42)\n");
 }
 
+TEST(RenderReceipt, SaysThatAStateWasConverted) {
+  const Json two = Json::parse(R"([
+      {"name": "a", "pause_ns": 38, "missed": 0, "bytes": 16, "converted": "count/1 -> count/2"},
+      {"name": "b", "pause_ns": 38, "missed": 0, "bytes": 48}])");
+
+  EXPECT_EQ(render_receipt("reloaded x", receipt_with("components", two), {}),
+            "reloaded x: longest pause 38 ns, 0 releases missed, 48 bytes of state kept, state "
+            "converted: count/1 -> count/2 (generation 42)\n");
+}
+
 TEST(RenderReceipt, SaysWhenNothingHadToChange) {
   EXPECT_EQ(render_receipt("started control", receipt_with("changed", false), {}),
             "nothing to change (generation 42 still running)\n");

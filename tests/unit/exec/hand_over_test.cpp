@@ -200,5 +200,52 @@ TEST_F(HandOver, GoesOnFromTheLaterValueWhenThereIsAConverterBack) {
   EXPECT_EQ(static_cast<const ramp::PositionV1*>(old->core->state()->data())->metres, 15.0);
 }
 
+/// A swap to the core that counts in millimetres, on probation.
+Change to_second() {
+  Edit edit;
+  edit.component = "control";
+  edit.core = CoreType::of<ramp::Second>("test/second");
+  Change change;
+  change.edits.push_back(std::move(edit));
+  change.probation = Probation{};
+  return change;
+}
+
+TEST_F(HandOver, SaysBeforeAndAfterAConversionThatARollbackContinuesWithTheEarlierState) {
+  ASSERT_TRUE(swap<ramp::Lone<ramp::PositionV1>>());
+  const std::vector<std::string> notes = {
+      "control: a rollback continues with the state from before the change (ramp_position/1): its "
+      "core has no converter from ramp_position/2, so its outputs may jump"};
+
+  auto prepared = deployer.prepare(to_second());
+  ASSERT_TRUE(prepared) << to_string(prepared.error());
+  EXPECT_EQ(deployer.foresee(*prepared).notes, notes);
+  EXPECT_EQ(deployer.foresee(*prepared).components[0].converted,
+            "ramp_position/1 -> ramp_position/2");
+  Retired retired;
+  const Result<Receipt> done = deployer.commit(*prepared, retired);
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_EQ(done->notes, notes);
+  EXPECT_EQ(done->components[0].converted, "ramp_position/1 -> ramp_position/2");
+  ASSERT_EQ(deployer.probations().size(), 1u);
+  EXPECT_EQ(deployer.probations()[0].notes, notes) << "which undo says";
+  deployer.run_for(50ms);
+  ASSERT_EQ(position(), 15.0);
+  ASSERT_TRUE(deployer.undo());
+  deployer.run_for(10ms);
+  EXPECT_EQ(position(), 21.0) << "it jumps";
+}
+
+TEST_F(HandOver, SaysNothingOfARollbackThatConvertsTheStateBack) {
+  const Result<Receipt> done = deployer.apply(to_second());
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_EQ(done->components[0].converted, "ramp_position/1 -> ramp_position/2");
+  EXPECT_TRUE(done->notes.empty());
+  ASSERT_EQ(deployer.probations().size(), 1u);
+  EXPECT_TRUE(deployer.probations()[0].notes.empty());
+}
+
 }  // namespace
 }  // namespace mauve

@@ -21,6 +21,8 @@ struct MemberReceipt {
   /// The types of the states that were dropped, "a and b", and the size of their objects.
   std::string dropped = {};
   std::size_t dropped_bytes = 0;  ///< of those objects
+  /// The types of a state that was converted: "count/1 -> count/2".
+  std::string converted = {};
 };
 
 /// The state in which a change leaves the system.
@@ -41,8 +43,9 @@ struct Receipt {
   unsigned attempts = 0;                       ///< tries until the coordinator met its instant
   std::vector<MemberReceipt> components;       ///< those that took part
   std::vector<std::string> warnings = {};      ///< why it was not admitted, see Admission::warn
-  /// States that are kept although their fields were not compared, and consequences for open
-  /// probations: those that this change joins, and those that it ends early.
+  /// States that are kept although their fields were not compared, and states that a rollback
+  /// cannot bring back. Also open probations: those that this change joins, and those that it ends
+  /// early.
   std::vector<std::string> notes = {};
 };
 
