@@ -38,11 +38,26 @@ std::string verdict_of(const Json& result) {
   }
   char text[120];
   const bool late = factor.get<double>() < 1;
+  const bool contradicted = !list_in(result, "contradictions").empty();
   std::snprintf(text, sizeof text,
                 late ? "not proved: deadlines would be met with %.2f of the execution times"
-                     : "proved: deadlines are met up to %.2f times the execution times",
+                : contradicted
+                    ? "for the assumed times only: deadlines are met up to %.2f times the "
+                      "execution times"
+                    : "proved: deadlines are met up to %.2f times the execution times",
                 factor.get<double>());
   return late || list_in(result, "problems").empty() ? text : "not proved: see the warnings";
+}
+
+/// "not valid for what runs: ...", before everything else.
+std::string contradictions_of(const Json& result, Look look) {
+  std::string text;
+  for (const Json& one : list_in(result, "contradictions")) {
+    join(text, harmless(compact(one)), "; ");
+  }
+  if (text.empty()) return {};
+  text = wrapped("not valid for what runs: " + text, look.width, 2);
+  return painted(text, Paint::red, look.colour) + "\n";
 }
 
 /// How long resources with a lock are held; where that is unknown, whole jobs count.
@@ -85,7 +100,7 @@ std::string render_analysis(const Json& result, Look look) {
                {time_of(row, "deadline_ns")},
                {time_of(row, "slack_ns"), late ? Paint::red : Paint::plain}});
   }
-  std::string text = table.text(look.width, look.colour);
+  std::string text = contradictions_of(result, look) + table.text(look.width, look.colour);
   text += locks_of(list_in(result, "locks"), look);
   text += wrapped(verdict_of(result) + "; " + loads_of(list_in(result, "cpus")), look.width, 2);
   text += "\n";

@@ -65,11 +65,14 @@ Result<Json> analyze(Running& running, const Call& /*call*/) {
                      {"lock_budget_ns", optional_ns(one.lock_budget)},
                      {"source", one.source}});
   }
-  return Json{
-      {"components", std::move(rows)}, {"locks", std::move(locks)},
-      {"cpus", std::move(cpus)},       {"factor", timing.factor ? Json(*timing.factor) : Json()},
-      {"problems", timing.problems},   {"notes", timing.notes},
-      {"machine", machine_of(timing)}};
+  return Json{{"components", std::move(rows)},
+              {"locks", std::move(locks)},
+              {"cpus", std::move(cpus)},
+              {"factor", timing.factor ? Json(*timing.factor) : Json()},
+              {"problems", timing.problems},
+              {"notes", timing.notes},
+              {"contradictions", timing.contradictions},
+              {"machine", machine_of(timing)}};
 }
 
 }  // namespace mauve::daemon

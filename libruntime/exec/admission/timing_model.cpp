@@ -97,9 +97,10 @@ const LockTiming& TimingModel::lock_of(const ResourceBase& resource) {
     lock.source = analysis::to_string(analysis::Source::unknown);
   }
   if (declared > Duration{0} && longest > declared) {
-    notes_.push_back(lock.resource + " was held for " +
-                     format_duration(std::chrono::ceil<std::chrono::microseconds>(longest)) +
-                     ", longer than its declared hold of " + format_duration(declared));
+    contradictions_.push_back(
+        lock.resource + " was held for " +
+        format_duration(std::chrono::ceil<std::chrono::microseconds>(longest)) +
+        ", its lock budget is " + format_duration(declared));
   }
   return lock;
 }

@@ -44,6 +44,8 @@ class TimingModel {
   [[nodiscard]] std::vector<LockTiming> locks() const;
   /// The times that are not in the set, or were measured rather than declared.
   [[nodiscard]] std::vector<std::string> notes() const;
+  /// The resources that were held for longer than declared.
+  [[nodiscard]] const std::vector<std::string>& contradictions() const { return contradictions_; }
 
  private:
   std::vector<analysis::Section> sections_of(const TimedComponent& component);
@@ -54,6 +56,7 @@ class TimingModel {
   const Holds holds_;
   std::map<std::string, LockTiming> locks_;
   std::vector<std::string> notes_;
+  std::vector<std::string> contradictions_;
 };
 
 }  // namespace mauve::exec

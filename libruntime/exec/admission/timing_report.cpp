@@ -61,6 +61,32 @@ std::string noise_of(const WakeNoise& noise, const MachineCosts& machine) {
          in_words(noise.worst) + ", " + whole(noise.worst_ago) + " ago";
 }
 
+/// The measurements of one component that contradict the proof. Time of other threads, within a job
+/// that they preempted, does not: it counts only where the processor time of jobs is not known.
+void contradict(const Deployed& deployed, std::vector<std::string>& found) {
+  const std::string& name = deployed.component->name();
+  const Bundle& bundle = *deployed.component->bundle();
+  const rt::JobTimes& times = bundle.measured->shown();
+  const Counters& counters = deployed.task->counters();
+  const Duration budget = bundle.task.budget;
+  const Duration used{counters.used_max.load(std::memory_order_relaxed)};
+  const std::uint64_t longer = times.over_budget.load(std::memory_order_relaxed);
+  const std::string declared = "its budget is " + format_duration(budget) + " (" +
+                               std::to_string(longer) + (longer == 1 ? " job" : " jobs") +
+                               " over it); the proof below assumes " + format_duration(budget);
+  if (budget > Duration{0} && used > budget) {
+    found.push_back(name + " used up to " + in_words(used) + ", " + declared);
+  } else if (used == Duration{0} && longer > 0) {
+    found.push_back(name + " took up to " +
+                    in_words(Duration{counters.execution_max.load(std::memory_order_relaxed)}) +
+                    ", " + declared);
+  }
+  if (const std::uint64_t missed = times.missed.load(std::memory_order_relaxed); missed > 0) {
+    found.push_back(name + " missed " + std::to_string(missed) +
+                    (missed == 1 ? " release" : " releases"));
+  }
+}
+
 }  // namespace
 
 std::string sentence(const Error& error) {
@@ -105,6 +131,10 @@ Timing report_of(const System& system, const TimingModel& model) {
   if (known && !report.tasks.empty()) timing.factor = analysis::largest_factor(model.set());
   timing.locks = model.locks();
   timing.problems = sentences(problems);
+  timing.contradictions = model.contradictions();
+  for (const Deployed& deployed : system.deployed) {
+    if (!deployed.hidden) contradict(deployed, timing.contradictions);
+  }
   timing.notes = model.notes();
   timing.machine = system.options.machine;
   timing.notes.push_back(assumption_of(timing.machine));

@@ -50,6 +50,21 @@ TEST(RenderAnalysis, DoesNotSayProvedWhenSomethingIsLateOrUnknown) {
   EXPECT_NE(render_analysis(shared, {}).find("not proved: see the warnings"), std::string::npos);
 }
 
+TEST(RenderAnalysis, BeginsWithTheMeasurementsThatContradictTheProof) {
+  Json over = analysis();
+  over["contradictions"] = {"robot used up to 15ms, its budget is 500us", "pose was held for 1ms"};
+
+  const std::string text = render_analysis(over, {});
+
+  EXPECT_EQ(text.find("not valid for what runs: robot used up to 15ms, its budget is 500us; pose "
+                      "was held for 1ms\nNAME "),
+            0U)
+      << text;
+  EXPECT_EQ(text.find("proved"), std::string::npos) << text;
+  EXPECT_NE(text.find("for the assumed times only: deadlines are met up to 3.46 times"),
+            std::string::npos);
+}
+
 TEST(RenderAnalysis, SaysWhenNothingRuns) {
   EXPECT_EQ(render_analysis(Json{{"components", Json::array()}}, {}), "no component runs\n");
 }

@@ -2,6 +2,9 @@
 /// How long a resource is held, as declared: what it means for admission, and how it changes.
 #include <gtest/gtest.h>
 
+#include "rt/thread/preemption.h"
+#include "support/eventually.h"
+
 #include <mauve/host/architecture.h>
 #include <mauve/host/deployer.h>
 
@@ -150,6 +153,24 @@ TEST(Hold, ThatWouldMakeAJobLateIsRefusedAndChangesNothing) {
   ASSERT_FALSE(unknown);
   EXPECT_NE(unknown.error().hint.find("declare \"lock_budget\""), std::string::npos);
   EXPECT_EQ(architecture.table.lock().budget(), 50us);
+}
+
+TEST(Hold, ThatLastedLongerThanDeclaredContradictsTheAnalysis) {
+  if (!rt::preemption_is_reported()) GTEST_SKIP() << "SKIPPED: no hold is measured here";
+  Sharing architecture(1ns);
+  Deployer deployer(architecture, hold_options(Admission::warn));
+  ASSERT_TRUE(deployer.deploy());
+  const ResourceLock& lock = architecture.table.lock();
+
+  ASSERT_TRUE(test::eventually([&] {
+    deployer.run_for(10ms);
+    return lock.longest_held() > 1ns;
+  }));
+
+  const std::vector<std::string> found = deployer.analyze().contradictions;
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].find("table was held for "), 0U) << found[0];
+  EXPECT_NE(found[0].find(", its lock budget is 1ns"), std::string::npos) << found[0];
 }
 
 TEST(Hold, ComesBackWhenTheChangeIsRolledBack) {

@@ -48,9 +48,12 @@ struct Timing {
   /// as they are. None: an execution time is not known.
   std::optional<double> factor;
   std::vector<std::string> problems;  ///< all, also of CPUs and locks
-  std::vector<std::string> notes;     ///< times not counted, and the costs of the machine
-  MachineCosts machine;               ///< the costs of the machine that all this assumes
-  std::vector<WakeNoise> noise;       ///< wake-ups of its probes; empty: there are none
+  /// Measurements of the code that runs which contradict the proof: longer jobs and locks than
+  /// declared, and missed releases.
+  std::vector<std::string> contradictions = {};
+  std::vector<std::string> notes;  ///< times not counted, and the costs of the machine
+  MachineCosts machine;            ///< the costs of the machine that all this assumes
+  std::vector<WakeNoise> noise;    ///< wake-ups of its probes; empty: there are none
 };
 
 }  // namespace mauve
