@@ -67,6 +67,22 @@ std::string listed(const Json& names) {
   return text;
 }
 
+/// "did not fail, but is late: 126 releases missed, 259 overruns, 253 jobs over the budget of 100
+/// us (longest 15.0 ms)"; empty: it is not late.
+std::string lateness_in_words(const Json& why) {
+  const auto missed = whole_number(why, "missed");
+  const auto overruns = whole_number(why, "overruns");
+  if (missed == 0 && overruns == 0) return {};
+  std::string text = "did not fail, but is late: " + counted(missed, "release") + " missed, " +
+                     counted(overruns, "overrun");
+  if (const auto over = whole_number(why, "over_budget"); over > 0) {
+    text += ", " + counted(over, "job") + " over the budget of " +
+            nanoseconds_in_words(number(why, "budget_ns")) + " (longest " +
+            nanoseconds_in_words(number(why, "execution_max_ns")) + ")";
+  }
+  return text;
+}
+
 std::string why_heading(const Json& why, const Json& failure) {
   const std::string state = word(why, "state");
   std::string line = word(why, "component") + ": " + state + ", core " + word(why, "core");
@@ -76,8 +92,9 @@ std::string why_heading(const Json& why, const Json& failure) {
   if (const auto how = recovery_in_words(member(why, "recovery")); !how.empty()) {
     line += ", " + how;
   }
-  return failure.is_object() ? line
-                             : line + "; nothing failed since mauved began, " + word(why, "since");
+  if (failure.is_object()) return line;
+  if (const auto late = lateness_in_words(why); !late.empty()) return line + "; " + late;
+  return line + "; nothing failed since mauved began, " + word(why, "since");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 namespace mauve::test {
 namespace {
 
+using testing::AnyOf;
 using testing::Contains;
 using testing::HasSubstr;
 
@@ -42,9 +43,11 @@ TEST(Why, NothingFailedSaysSince) {
 
   EXPECT_EQ(said["failure"], nullptr) << said;
   EXPECT_EQ(said["change"], nullptr);
-  EXPECT_EQ(said["hints"], Json::array());
+  const bool late = said["missed"] != 0 || said["overruns"] != 0;  // of a machine that stood still
+  EXPECT_EQ(said["hints"].empty(), !late) << said;
   EXPECT_THAT(said["since"].get<std::string>(), HasSubstr("T"));
-  EXPECT_THAT(why_first(daemon), HasSubstr("nothing failed since mauved began"));
+  EXPECT_THAT(why_first(daemon), AnyOf(HasSubstr("nothing failed since mauved began"),
+                                       HasSubstr("did not fail, but is late")));
   EXPECT_EQ(daemon.ask("component.why", {{"component", "frst"}})["data"]["name"], "unknown_name");
 }
 

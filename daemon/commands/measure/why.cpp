@@ -183,6 +183,9 @@ Result<Json> why(Running& running, const Call& call) {
                  {"late_ns", status.late.count()},
                  {"missed", status.missed},
                  {"overruns", status.overruns},
+                 {"over_budget", status.over_budget},
+                 {"budget_ns", (*component)->bundle()->task.budget.count()},
+                 {"execution_max_ns", status.execution_max.count()},
                  {"kernel", kernel_counts(rt::threads_of("/", "self"), name)},
                  {"since", began(running)},
                  {"failure", failure == nullptr ? Json() : failure_json(running, *failure)},
@@ -191,6 +194,9 @@ Result<Json> why(Running& running, const Call& call) {
                  {"quarantine", quarantine_of(running, failure)},
                  {"records", records_of(running, name, failure)},
                  {"hints", hints_for(running, name, failure, poisoned)}};
+  if (failure == nullptr && status.missed + status.overruns > 0) {
+    result["hints"].push_back("mauvectl stats " + name + ": how long its jobs take");
+  }
   return result;
 }
 

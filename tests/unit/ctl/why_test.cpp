@@ -66,11 +66,31 @@ TEST(Why, NothingFailedIsTwoLines) {
   answer["change"] = nullptr;
   answer["kernel"] = nullptr;
   answer["poisoned"] = answer["hints"] = Json::array();
+  answer["missed"] = answer["overruns"] = 0;
 
   EXPECT_EQ(Scene({"why", "control"}, answer).outcome.out,
             "control: running, core g/gap; nothing failed since mauved began, "
             "2026-01-01T09:00:00.0Z\n"
-            "counted   3 releases missed, 1 overrun\n");
+            "counted   0 releases missed, 0 overruns\n");
+}
+
+TEST(Why, AComponentThatIsLateDidNotFailButIsLate) {
+  Json answer = kWhy;
+  answer["state"] = "running";
+  answer["failure"] = nullptr;
+  answer["missed"] = 126;
+  answer["overruns"] = 259;
+  answer["over_budget"] = 253;
+  answer["budget_ns"] = 100'000;
+  answer["execution_max_ns"] = 15'000'000;
+
+  const std::string text = Scene({"why", "control"}, answer).outcome.out;
+
+  EXPECT_THAT(text, testing::StartsWith(
+                        "control: running, core g/gap; did not fail, but is late: 126 releases "
+                        "missed, 259 overruns, 253 jobs over the budget of 100 us (longest 15.0 "
+                        "ms)\n"));
+  EXPECT_THAT(text, testing::Not(testing::HasSubstr("nothing failed")));
 }
 
 TEST(Why, OfAnAnswerThatMakesNoSenseDoesNotFail) {
