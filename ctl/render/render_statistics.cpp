@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <string>
@@ -25,9 +26,27 @@ std::string percent(double part, double whole) {
   return text.data();
 }
 
-/// Of the longest job that nothing came between.
+double undisturbed_max(const Json& one) { return number(member(one, "execution"), "max_ns"); }
+double longest_of(const Json& one) {
+  return std::max(undisturbed_max(one), number(member(one, "preempted"), "max_ns"));
+}
+
+/// By the longest job that nothing preempted; by the longest of all jobs once some exceeded it.
 std::string budget_used(const Json& one) {
-  return percent(number(member(one, "execution"), "max_ns"), number(one, "budget_ns"));
+  const bool exceeded = number(one, "over_budget") > 0;
+  return percent(exceeded ? longest_of(one) : undisturbed_max(one), number(one, "budget_ns"));
+}
+
+/// "budget 100 us: exceeded by 253 of 273 jobs, longest 15.0 ms"
+std::string budget_in_words(const Json& one) {
+  const double budget = number(one, "budget_ns");
+  const std::string text = "budget " + nanoseconds_in_words(budget) + ": ";
+  const std::uint64_t over = whole_number(one, "over_budget");
+  if (over == 0) return text + "the longest undisturbed job used " + budget_used(one);
+  const bool only_preempted = undisturbed_max(one) <= budget;
+  return text + "exceeded by " + std::to_string(over) + " of " +
+         counted(whole_number(member(one, "lateness"), "count"), "job") + ", longest " +
+         nanoseconds_in_words(longest_of(one)) + (only_preempted ? " with preemption" : "");
 }
 
 Cell trouble_cell(const Json& one, const char* key) {
@@ -71,6 +90,9 @@ std::string all_of(const Json& components, Look look) {
   return table.text(look.width, look.colour);
 }
 
+/// These times contain the processor time of the jobs and that of the threads that preempted them.
+constexpr const char* kPreempted = "  with preemption";
+
 struct Figure {
   const char* title;
   const char* key;
@@ -108,11 +130,7 @@ std::string since_when(const Json& one, double now) {
 std::string remarks(const Json& one, Look look) {
   std::string text = counted(whole_number(one, "missed"), "release") + " missed, " +
                      counted(whole_number(one, "overruns"), "overrun");
-  if (const double budget = number(one, "budget_ns"); budget > 0) {
-    text += "; budget " + nanoseconds_in_words(budget) + ": at most " + budget_used(one) +
-            " used by jobs that nothing came between, " +
-            counted(whole_number(one, "over_budget"), "job") + " longer";
-  }
+  if (number(one, "budget_ns") > 0) text += "; " + budget_in_words(one);
   if (const Json& waits = member(one, "lock_waits"); number(waits, "count") > 0) {
     text += "; waited " + counted(whole_number(waits, "count"), "time") + " for resources, " +
             time_in(waits, "sum_ns") + " in all, at most " + time_in(waits, "max_ns");
@@ -128,7 +146,7 @@ std::string states_of(const Json& states, Look look) {
   for (const Json& state : states) {
     add_figures(table, word(state, "name"), member(state, "execution"));
     const Json& preempted = member(state, "preempted");
-    if (number(preempted, "count") > 0) add_figures(table, "  preempted", preempted);
+    if (number(preempted, "count") > 0) add_figures(table, kPreempted, preempted);
   }
   return table.text(look.width, look.colour);
 }
@@ -139,7 +157,7 @@ std::string render_details(const Json& one, double now_ns, Look look) {
   Table jobs = figures("JOBS");
   add_figures(jobs, "late by", member(one, "lateness"));
   add_figures(jobs, "execution", member(one, "execution"));
-  add_figures(jobs, "  preempted", member(one, "preempted"));
+  add_figures(jobs, kPreempted, member(one, "preempted"));
   add_figures(jobs, "response", member(one, "response"));
   return wrapped(since_when(one, now_ns), look.width, 2) + jobs.text(look.width, look.colour) +
          remarks(one, look) + states_of(list_in(one, "states"), look);

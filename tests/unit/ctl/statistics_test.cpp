@@ -54,7 +54,7 @@ TEST(RenderStatistics, IsOneRowAComponentWithCleanAndPreemptedApart) {
             "control   100    4.0 us    6.0 us   20.0 us   40.0 us   60.0 us       10 %    120 us  "
             "     -       0         0\n"
             "laser     100    4.0 us    6.0 us   20.0 us   40.0 us   60.0 us       10 %    120 us  "
-            " 120 %       3         0\n"
+            "1200 %       3         0\n"
             "idle        0         -         -         -         -         -          -         -  "
             "     -       0         0\n");
 }
@@ -84,20 +84,35 @@ TEST(RenderStatistics, ShowsAllFiguresOfOneWithItsStates) {
                     {"preempted", {{"count", 0}, {"sum_ns", 0}, {"max_ns", nullptr}}}}};
   const Json result = {{"t_ns", 61'000'000'000}, {"components", {one}}};
 
-  EXPECT_EQ(
-      render_statistics(result, {}),
-      "control: guidance/gap; counted for 1 min\n"
-      "JOBS         COUNT     MEAN      P50      P90      P99    P99.9      MAX\n"
-      "late by        100   2.0 us   2.0 us   3.0 us   4.0 us   5.0 us   6.0 us\n"
-      "execution       90  20.0 us  20.0 us  30.0 us  40.0 us  50.0 us  60.0 us\n"
-      "  preempted     10   200 us   200 us   300 us   400 us   500 us   600 us\n"
-      "response       100  40.0 us  40.0 us  60.0 us  80.0 us   100 us   120 us\n"
-      "0 releases missed, 0 overruns; budget 120 us: at most 50 % used by jobs that nothing came "
-      "between, 0 jobs longer; waited 2 times for resources, 9.0 us in all, at most 5.0 us\n"
-      "STATE        COUNT     MEAN      P50      P90      P99    P99.9      MAX\n"
-      "reach_goal      90  20.0 us  20.0 us  30.0 us  40.0 us  50.0 us  60.0 us\n"
-      "  preempted      4   100 us        -        -        -        -   200 us\n"
-      "rest             0        -        -        -        -        -        -\n");
+  EXPECT_EQ(render_statistics(result, {}),
+            "control: guidance/gap; counted for 1 min\n"
+            "JOBS               COUNT     MEAN      P50      P90      P99    P99.9      MAX\n"
+            "late by              100   2.0 us   2.0 us   3.0 us   4.0 us   5.0 us   6.0 us\n"
+            "execution             90  20.0 us  20.0 us  30.0 us  40.0 us  50.0 us  60.0 us\n"
+            "  with preemption     10   200 us   200 us   300 us   400 us   500 us   600 us\n"
+            "response             100  40.0 us  40.0 us  60.0 us  80.0 us   100 us   120 us\n"
+            "0 releases missed, 0 overruns; budget 120 us: the longest undisturbed job used 50 %; "
+            "waited 2 times for resources, 9.0 us in all, at most 5.0 us\n"
+            "STATE              COUNT     MEAN      P50      P90      P99    P99.9      MAX\n"
+            "reach_goal            90  20.0 us  20.0 us  30.0 us  40.0 us  50.0 us  60.0 us\n"
+            "  with preemption      4   100 us        -        -        -        -   200 us\n"
+            "rest                   0        -        -        -        -        -        -\n");
+}
+
+TEST(RenderStatistics, SaysHowManyJobsExceededTheBudgetAndTheLongestOfThem) {
+  Json one = component("smooth");
+  one["budget_ns"] = 100'000;
+  one["over_budget"] = 10;
+  one["states"] = Json::array();
+
+  EXPECT_NE(render_statistics({{"components", {one}}}, {})
+                .find("; budget 100 us: exceeded by 10 of 100 jobs, longest 600 us with "
+                      "preemption\n"),
+            std::string::npos);
+  one["execution"] = times(90, 50'000);
+  EXPECT_NE(render_statistics({{"components", {one}}}, {})
+                .find("; budget 100 us: exceeded by 10 of 100 jobs, longest 600 us\n"),
+            std::string::npos);
 }
 
 TEST(RenderStatistics, SurvivesAnswersOfAnotherShape) {
