@@ -136,7 +136,7 @@ TEST(RulesThatFire, ReportInTheLogThatTheirChangeJoinedAProbation) {
   ASSERT_TRUE(eventually([&] { return times_logged(daemon, "calm by rule loud") > 0; }))
       << daemon.errors();
   EXPECT_THAT(daemon.errors(),
-              testing::ContainsRegex("calm by rule loud.*; .*have not proved themselves yet"));
+              testing::ContainsRegex("calm by rule loud.*; .*are still on probation"));
 }
 
 TEST(RulesUnderALock, AreHeldByTheLockOfWhatTheirStepsChange) {

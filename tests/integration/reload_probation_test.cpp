@@ -55,7 +55,8 @@ TEST(ReloadOnProbation, KeepsOneBuildBeforeUntilItIsConfirmed) {
 
   const auto reloaded = daemon.ask("plugin.reload", kTrialAgain);
   EXPECT_EQ(reloaded["unmapped"], false) << reloaded;
-  EXPECT_THAT(reloaded["why"].get<std::string>(), HasSubstr("generation 2 is on probation"));
+  EXPECT_THAT(reloaded["why"].get<std::string>(),
+              HasSubstr("until the probation of generation 2 ends"));
   EXPECT_TRUE(reloaded.contains("probation")) << reloaded;
   daemon.install(1);
   const auto refused = daemon.ask("plugin.reload", kTrialAgain);

@@ -154,8 +154,8 @@ Status hand_names_over(Running& running, Reload& reload) {
   }
   if (reload.change.probation && reload.receipt && *old) {
     keep_former(running, **std::move(old));
-    reload.unmapped = {false, "generation " + std::to_string(reload.receipt->generation) +
-                                  " is on probation, and its rollback leads there"};
+    reload.unmapped = {false, "it is kept until the probation of generation " +
+                                  std::to_string(reload.receipt->generation) + " ends"};
     return ok();
   }
   reload.old = *std::move(old);

@@ -185,9 +185,9 @@ Status Deployer::confirm() {
     exec::advance(*system_);
     return ok();
   }
-  return refuse({Errc::wrong_state, "nothing_on_probation"},
-                "generation " + std::to_string(generation()),
-                "is not on probation, so there is nothing to confirm");
+  return refuse({Errc::wrong_state, "nothing_on_probation"}, {},
+                "generation " + std::to_string(generation()) +
+                    " is off probation, so there is nothing to confirm");
 }
 
 Status Deployer::undo(const std::string& reason) {
@@ -197,9 +197,9 @@ Status Deployer::undo(const std::string& reason) {
     return one->open() && one->undo(reason);
   });
   if (newest != all.rend()) return ok();
-  return refuse({Errc::wrong_state, "nothing_to_undo"},
-                "generation " + std::to_string(generation()),
-                "is not on probation: what was before it is no longer ready",
+  return refuse({Errc::wrong_state, "nothing_to_undo"}, {},
+                "generation " + std::to_string(generation()) +
+                    " is off probation, so there is nothing to undo",
                 "roll back to a saved generation");
 }
 

@@ -262,11 +262,13 @@ std::vector<std::string> notes_of(const System& system, const Content& change) {
     if (can_join(change, one->content())) {
       const bool several = open.changes.size() > 1;
       notes.push_back(in_words(open.changes) + " (" + names + ")" +
-                      (several ? " have not proved themselves yet: this change joins them, so a "
-                                 "failure or `undo` rolls back to before all of them"
-                               : " has not proved itself yet: this change joins it, so a failure "
-                                 "or `undo` rolls back to before both") +
-                      ", as in generation " + first);
+                      (several ? " are still on probation, and this change joins them: `undo` or a "
+                                 "failure takes back all of them together"
+                               : " is still on probation, and this change joins it: `undo` or a "
+                                 "failure takes back both together") +
+                      ", back to generation " + first +
+                      "; `mauvectl confirm` before a change keeps " +
+                      (several ? "the older ones" : "the older one"));
     } else {
       notes.push_back("the probation of " + in_words(open.changes) + " (" + names +
                       ") ends early: a failure rolls back to before this change only");

@@ -25,27 +25,29 @@ Error lost(const CoreBase& into, const Capsule& from, const Capsule* found, cons
   const std::string drop = "say --state drop to start it fresh, or declare ";
   if (found == nullptr) {
     return refuse({Errc::type_mismatch, "state_would_be_lost"}, into.address(),
-                  "has no place for the state " + shown(from.type()) +
+                  "the new core has no place for the state " + shown(from.type()) +
                       " of the core in force, and does not say that it needs none",
                   drop + member + " or mauve::Stateless in the new core");
   }
   if (found->type().name == from.type().name && !from.type().vouched) {
     return refuse(
         {Errc::type_mismatch, "state_not_described"}, into.address(),
-        "was built anew, and its state " + shown(from.type()) +
+        "the new core was built anew, and its state " + shown(from.type()) +
             " has no description, so its fields may lie otherwise than in the core in force",
         "give it a static type_name and fields() (or the type_name alone, by which you vouch for "
         "its layout) and build both again, or say --state drop to start it fresh");
   }
   return refuse({Errc::type_mismatch, "state_not_convertible"}, into.address(),
-                "has the state " + shown(found->type()) + ", but the core in force has " +
-                    shown(from.type()) + ", which it cannot convert",
+                "the new core has the state " + shown(found->type()) +
+                    ", but the core in force has " + shown(from.type()) +
+                    ", which the new core cannot convert",
                 drop + "a mauve::Converts in the new core");
 }
 
 Error state_would_vanish(const CoreBase& into, const Capsule& from) {
   return refuse({Errc::type_mismatch, "state_would_be_lost"}, into.address(),
-                "takes no state, so " + shown(from.type()) + " of the core in force would be lost",
+                "the new core takes no state, so " + shown(from.type()) +
+                    " of the core in force would be lost",
                 "say --state drop when that is meant");
 }
 

@@ -71,9 +71,10 @@ TEST_F(HandOver, RefusesAStateThatTheNewCoreCannotConvert) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Errc::type_mismatch);
   EXPECT_EQ(refused.error().at, "control.core");
-  EXPECT_EQ(refused.error().message, "has the state " + shown<ramp::PositionV2>() +
+  EXPECT_EQ(refused.error().message, "the new core has the state " + shown<ramp::PositionV2>() +
                                          ", but the core in force has " +
-                                         shown<ramp::PositionV1>() + ", which it cannot convert");
+                                         shown<ramp::PositionV1>() +
+                                         ", which the new core cannot convert");
   EXPECT_EQ(refused.error().hint,
             "say --state drop to start it fresh, or declare a mauve::Converts in the new core");
   EXPECT_EQ(deployer.generation(), 1u);
@@ -92,7 +93,8 @@ TEST_F(HandOver, RefusesACoreThatSaysNothingOfItsState) {
   const Result<Receipt> refused = swap<ramp::Forgetful>();
 
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().message, "has no place for the state " + shown<ramp::PositionV1>() +
+  EXPECT_EQ(refused.error().message, "the new core has no place for the state " +
+                                         shown<ramp::PositionV1>() +
                                          " of the core in force, and does not say that it needs "
                                          "none");
   EXPECT_EQ(refused.error().hint,

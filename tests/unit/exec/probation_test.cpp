@@ -295,7 +295,9 @@ TEST_F(UnderProbation, UndoRollsBack) {
   const Outcome end = rolled_back_after(20ms, before, "undone by request");
 
   EXPECT_EQ(end.component, "");
-  EXPECT_FALSE(deployer.undo()) << "once";
+  const Status again = deployer.undo();
+  ASSERT_FALSE(again) << "once";
+  EXPECT_EQ(again.error().message, "generation 3 is off probation, so there is nothing to undo");
 }
 
 TEST_F(UnderProbation, WhatNobodyConfirmsIsRolledBack) {

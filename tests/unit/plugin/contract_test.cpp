@@ -186,7 +186,7 @@ TEST_F(ContractOfTwoPlugins, ComparesTheFieldsOfADescribedStateOfEqualSize) {
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, Errc::type_mismatch);
   EXPECT_THAT(done.error().message, HasSubstr("line_sum/1 (layout "));
-  EXPECT_THAT(done.error().message, HasSubstr("which it cannot convert"));
+  EXPECT_THAT(done.error().message, HasSubstr("which the new core cannot convert"));
   expect_still_runs(3);
 }
 
