@@ -56,6 +56,14 @@ std::string cause_of(const Outcome& outcome) {
   return (outcome.component.empty() ? "" : outcome.component + " ") + outcome.reason;
 }
 
+/// "generation 3", "generations 3 to 7".
+std::string generations_of(const Outcome& outcome) {
+  const auto last = outcome.changes.empty() ? outcome.began : outcome.changes.back();
+  return last == outcome.began
+             ? "generation " + std::to_string(last)
+             : "generations " + std::to_string(outcome.began) + " to " + std::to_string(last);
+}
+
 }  // namespace
 
 void HealthMonitor::start(Running& running) {
@@ -188,6 +196,7 @@ void HealthMonitor::report(const Outcome& outcome) {
   running_->log.write(event_of(outcome), {{"component", outcome.component},
                                           {"generation", to_signed(outcome.generation)},
                                           {"began", to_signed(outcome.began)},
+                                          {"generations", generations_of(outcome)},
                                           {"cause", cause_of(outcome)},
                                           {"text", outcome.reason},
                                           {"changes", changes}});

@@ -240,12 +240,22 @@ TEST(Probation, AnUndoIsReportedAsUndo) {
   const auto undone = record_of(daemon, "undone");
   EXPECT_EQ(undone["level"], "info") << undone;
   EXPECT_EQ(undone["text"],
-            "generation 2 was rolled back, 3 is in force: undone by request "
+            "the changes of generation 2 were rolled back, 3 is in force: undone by request "
             "~ first.core: trial/other -> trial/steady");
   const auto change = record_of(daemon, "change_applied");
   EXPECT_EQ(change["text"],
             "change.undo by uid " + std::to_string(geteuid()) +
                 ": generation 3, applied ~ first.core: trial/other -> trial/steady");
+}
+
+TEST(Probation, AnUndoOfSeveralChangesNamesAllTheirGenerations) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("core.swap", swap_to("trial/other"))["state"], "applied");
+  ASSERT_EQ(daemon.ask("core.swap", swap_to("trial/steady"))["state"], "applied");
+  ASSERT_EQ(daemon.ask("change.undo")["generation"], 4);
+
+  EXPECT_THAT(record_of(daemon, "undone")["text"].get<std::string>(),
+              HasSubstr("the changes of generations 2 to 3 were rolled back, 4 is in force"));
 }
 
 TEST(Probation, ARollBackNamesWhoFailed) {
@@ -255,7 +265,8 @@ TEST(Probation, ARollBackNamesWhoFailed) {
   const auto rolled_back = record_of(daemon, "rolled_back");
   EXPECT_EQ(rolled_back["level"], "error") << rolled_back;
   EXPECT_EQ(rolled_back["text"],
-            "generation 2 was rolled back, 3 is in force: first threw: division by something "
+            "the changes of generation 2 were rolled back, 3 is in force: first threw: division by "
+            "something "
             "~ first.core: trial/throwing_job -> trial/steady");
 }
 
