@@ -11,6 +11,7 @@
 #include "commands/change/trial.h"
 #include "commands/lock.h"
 #include "commands/recovery/abandoned.h"
+#include "commands/recovery/former.h"
 #include "commands/say.h"
 
 namespace mauve::daemon {
@@ -76,9 +77,9 @@ arch::Line line_of_unloading(const std::string& name) {
 
 void finish_unload(Running& running, const Call& call, const std::string& name,
                    const plugin::Unmapped& unmapped) {
-  const auto event = unmapped.unmapped ? Event::plugin_unloaded : Event::plugin_resident;
   running.log.write(
-      event, {{"plugin", name}, {"text", unmapped.unmapped ? "by request" : unmapped.reason}});
+      event_of(unmapped),
+      {{"plugin", name}, {"text", unmapped.unmapped ? "by request" : unmapped.reason}});
   Json result{{"plugin", name},
               {"loaded", false},
               {"unmapped", unmapped.unmapped},

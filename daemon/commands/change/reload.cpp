@@ -194,8 +194,8 @@ Json result_of(Running& running, Reload& reload) {
 }
 
 void finish(Running& running, const Call& call, Json result, const plugin::Unmapped& old) {
-  const auto stays = result.contains("probation") ? Event::plugin_kept : Event::plugin_resident;
-  running.log.write(old.unmapped ? Event::plugin_unloaded : stays,
+  const bool kept = !old.unmapped && result.contains("probation");
+  running.log.write(kept ? Event::plugin_kept : event_of(old),
                     {{"plugin", text_or(result, "plugin")},
                      {"text", old.unmapped ? std::string("replaced by a new one") : old.reason}});
   result["generation"] = running.generation.load();

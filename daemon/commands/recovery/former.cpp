@@ -42,6 +42,13 @@ Former::Leaving give_back(Running& running, plugin::LoadedPlugin former) {
 
 }  // namespace
 
+Event event_of(const plugin::Unmapped& code) {
+  if (code.unmapped) {
+    return Event::plugin_unloaded;
+  }
+  return code.types_only ? Event::plugin_types_used : Event::plugin_resident;
+}
+
 Status check_former(const Running& running, const std::string& plugin) {
   MAUVE_ON_THREAD(control);
   const auto found = running.former.kept.find(plugin);
@@ -104,7 +111,7 @@ void free_former(Running& running) {
         for (auto& one : *code) {
           const auto name = one.library->info().name;
           const auto done = Library::release(std::move(one.library));
-          running.log.write(done.unmapped ? Event::plugin_unloaded : Event::plugin_resident,
+          running.log.write(event_of(done),
                             {{"plugin", name}, {"text", done.unmapped ? one.text : done.reason}});
         }
       },

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "log/event.h"
 #include "mauve/result.h"
 #include "plugin/load/catalog.h"
 
@@ -36,6 +37,9 @@ struct Former {
   std::map<std::string, Kept, std::less<>> kept;  ///< by plugin
   std::vector<Leaving> leaving;
 };
+
+/// Whether replaced or unloaded code has left the memory, in the words of the log.
+[[nodiscard]] logging::Event event_of(const plugin::Unmapped& code);
 
 /// [control] Refused while a reload of this plugin is on probation: only one former build is kept.
 [[nodiscard]] Status check_former(const Running& running, const std::string& plugin);

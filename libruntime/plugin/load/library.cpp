@@ -3,6 +3,7 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <cstring>
 #include <string_view>
 #include <utility>
@@ -43,6 +44,8 @@ std::string joined(const std::vector<std::string>& words) {
   for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
   return text;
 }
+
+bool is_data_type(const std::string& user) { return user.starts_with("data type "); }
 
 }  // namespace
 
@@ -134,14 +137,18 @@ std::vector<std::string> Library::users() const {
 Unmapped Library::release(std::shared_ptr<Library> library) {
   if (!library) return {true, {}};
   if (library->handle_ == nullptr) return {false, "it is part of the program"};
-  const std::string held_by = joined(library->users());
+  const std::vector<std::string> users = library->users();
+  const std::string held_by = joined(users);
+  const bool types_only = !users.empty() && std::ranges::all_of(users, is_data_type);
   const std::string mapping = library->image_.mapping();
   const rt::CodeRange code = library->code_;
   const std::weak_ptr<Library> rest = library;
   library.reset();
   if (!rest.expired()) {
-    return {false, held_by.empty() ? "something that was made by it is still in use"
-                                   : "still used by " + held_by};
+    return {false,
+            held_by.empty() ? "something that was made by it is still in use"
+                            : "still used by " + held_by,
+            types_only};
   }
   if (const auto left = rt::threads_started_by(code); !left.empty()) {
     return {false, "it left " + std::to_string(left.size()) +

@@ -33,7 +33,8 @@ struct PluginInfo {
 /// Did the code of a plugin really leave the address space?
 struct Unmapped {
   bool unmapped = false;
-  std::string reason;  ///< why not, and its users; empty when it did
+  std::string reason;       ///< why not, and its users; empty when it did
+  bool types_only = false;  ///< true: not, since resources or ports use its data types
 };
 
 /// Mapped from construction to destruction. Everything made by the plugin holds it (hold.h), so no

@@ -127,6 +127,26 @@ TEST_F(Reload, LeavesOldInstancesOnTheOldCodeAndSaysWho) {
   EXPECT_LT(mappings_of("good"), both);
 }
 
+TEST_F(Reload, KeepsOnlyTheBuildWhoseDataTypeIsUsedHoweverOftenItIsReloaded) {
+  ASSERT_TRUE(catalog_.load("good"));
+  const auto type = catalog_.type("zoo_number/1");
+  ASSERT_TRUE(type);
+  folder_.put("2/good.so", "good.so");
+
+  const Result<Unmapped> first = catalog_.reload("good");
+  ASSERT_TRUE(first);
+  EXPECT_FALSE(first->unmapped);
+  EXPECT_TRUE(first->types_only) << first->reason;
+  EXPECT_EQ(first->reason, "still used by data type zoo_number/1");
+  const std::size_t two_builds = mappings_of("good");
+  for (int round = 0; round < 3; ++round) {
+    const Result<Unmapped> again = catalog_.reload("good");
+    ASSERT_TRUE(again);
+    EXPECT_TRUE(again->unmapped) << again->reason;
+    EXPECT_EQ(mappings_of("good"), two_builds) << round;
+  }
+}
+
 TEST_F(Reload, RefusesToUnloadWhatIsInUseAndNamesTheUsers) {
   ASSERT_TRUE(catalog_.load("good"));
   std::shared_ptr<CoreBase> core = make_core(catalog_, "good/number");
