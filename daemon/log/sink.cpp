@@ -48,7 +48,9 @@ class SpdlogSink : public Sink {
 
   Status write(const Record& record) override {
     failure_.clear();
-    logger_.log(record.time, spdlog::source_loc{}, spdlog_level(record.level), line(record));
+    // spdlog says "warning" for %l; the file name of a record, %s, is free for the word of mauve.
+    const spdlog::source_loc word{to_string(record.level).data(), 1, ""};
+    logger_.log(record.time, word, spdlog_level(record.level), line(record));
     return result();
   }
 
@@ -71,7 +73,7 @@ class TerminalSink final : public SpdlogSink {
  public:
   TerminalSink()
       : SpdlogSink(std::make_shared<spdlog::sinks::ansicolor_stderr_sink_mt>(),
-                   "%Y-%m-%dT%H:%M:%S.%eZ %^%-7l%$ %v", "the terminal") {}
+                   "%Y-%m-%dT%H:%M:%S.%eZ %^%-7s%$ %v", "the terminal") {}
 
  private:
   /// Texts of clients and cores are among it: none of them may forge a line or colour the terminal.

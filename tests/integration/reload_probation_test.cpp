@@ -39,6 +39,7 @@ TEST(ReloadOnProbation, LeadsAllMembersBackToTheBuildBeforeWhenTheNewOneFails) {
   EXPECT_TRUE(runs_build(daemon, "first", 1));
   EXPECT_TRUE(runs_build(daemon, "second", 1));
   EXPECT_TRUE(logs(daemon, "plugin trial unloaded: its reload was rolled back")) << daemon.errors();
+  EXPECT_TRUE(logs(daemon, "Z warn    plugin trial is version ")) << daemon.errors();
 
   const auto again = daemon.ask("plugin.reload", kTrialAgain);
   EXPECT_THAT(again["message"].get<std::string>(), HasSubstr("trial/regressing is in quarantine"))
