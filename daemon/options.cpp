@@ -11,6 +11,7 @@
 
 #include "base/duration.h"
 #include "mauve/host/version.h"
+#include "plugin/load/plugin_file.h"
 #include "protocol/socket_path.h"
 
 namespace mauve::daemon {
@@ -30,17 +31,6 @@ const std::map<std::string, logging::Level> kLevels = {{"debug", logging::Level:
                                                        {"info", logging::Level::info},
                                                        {"warn", logging::Level::warn},
                                                        {"error", logging::Level::error}};
-
-/// A build tree and an installed copy have the same shape; a program elsewhere uses the latter.
-std::string default_plugin_dir() {
-  std::error_code failed;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
-  const auto beside = program.parent_path().parent_path() / "lib" / "mauve" / "plugins";
-  if (!failed && std::filesystem::is_directory(beside, failed)) {
-    return beside.string();
-  }
-  return MAUVE_INSTALL_PLUGINDIR;
-}
 
 /// Of a service, the first of the directories that its manager made for it.
 std::string default_state_dir() {
@@ -258,7 +248,7 @@ std::variant<Options, Leave> parse_options(int argc, const char* const* argv) {
     options.socket = protocol::default_socket_path();
   }
   if (options.plugin_dirs.empty()) {
-    options.plugin_dirs = {default_plugin_dir()};
+    options.plugin_dirs = {plugin::installed_directory()};
   }
   if (options.state_dir.empty()) {
     options.state_dir = default_state_dir();

@@ -246,6 +246,14 @@ TEST_F(Apply, LoadsNoPluginForAChangeThatIsRefused) {
   EXPECT_EQ(daemon_.ask("plugin.load", {{"plugin", "demo"}})["loaded"], true);
 }
 
+TEST_F(Apply, NamesTheOptionOfMauvedWhereAPluginIsMissing) {
+  EXPECT_EQ(ctl("plan", with(R"(["trial"])", R"(["trial", "no_such"])")).exit, 1);
+
+  EXPECT_THAT(client_errors(),
+              HasSubstr("hint   : mend the file, or start mauved with --plugin-dir of that plugin; "
+                        "mauvectl check looks at it again"));
+}
+
 TEST_F(Apply, RefusesAnotherName) {
   const auto text = with(R"("name": "trial")", R"("name": "trail")");
 

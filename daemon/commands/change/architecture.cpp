@@ -186,7 +186,13 @@ void free_in_factory(Running& running, ApplicationPtr application, Ticket ticket
 }
 
 void refuse_file(Running& running, const Call& call, Json errors) {
-  refuse_text(running, call, "the file has", "mend the file; mauvectl check looks at it again",
+  const bool lacks_plugin = std::any_of(errors.begin(), errors.end(), [](const Json& one) {
+    return text_or(one, "id") == "plugin_not_found";
+  });
+  refuse_text(running, call, "the file has",
+              std::string("mend the file") +
+                  (lacks_plugin ? ", or start mauved with --plugin-dir of that plugin" : "") +
+                  "; mauvectl check looks at it again",
               std::move(errors));
 }
 

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -130,7 +131,18 @@ std::vector<std::string> names_in(const std::vector<std::string>& directories) {
   return names;
 }
 
+bool exists_in(const std::string& directory, std::string_view name) {
+  const std::string path = directory + "/" + std::string(name) + std::string(kSuffix);
+  return access(path.c_str(), F_OK) == 0;
+}
+
 Error not_found(const std::vector<std::string>& directories, std::string_view name) {
+  std::string hint = did_you_mean(name, names_in(directories), "\"");
+  if (hint.empty()) {
+    hint = exists_in(installed_directory(), name)
+               ? "it is in " + installed_directory() + ": name that with --plugin-dir of mauved too"
+               : "mauved looks nowhere else; its option --plugin-dir names more directories";
+  }
   std::string where;
   for (const std::string& directory : directories) {
     where += (where.empty() ? "" : ", ") + directory;
@@ -139,10 +151,18 @@ Error not_found(const std::vector<std::string>& directories, std::string_view na
   return refuse({Errc::plugin_refused, "plugin_not_found"}, std::string(name),
                 where.empty() ? "cannot be found: there is no plugin directory"
                               : "there is no " + std::string(name) + ".so in " + where,
-                did_you_mean(name, names_in(directories), "\""));
+                std::move(hint));
 }
 
 }  // namespace
+
+std::string installed_directory() {
+  std::error_code failed;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
+  const auto beside = program.parent_path().parent_path() / "lib" / "mauve" / "plugins";
+  if (!failed && std::filesystem::is_directory(beside, failed)) return beside.string();
+  return MAUVE_INSTALL_PLUGINDIR;
+}
 
 Result<PluginFile> read_plugin_file(const std::vector<std::string>& directories,
                                     std::string_view name, const Trust& trust) {

@@ -22,6 +22,10 @@ struct PluginFile {
 
 inline constexpr std::size_t kLargestPlugin = std::size_t{256} << 20;
 
+/// The directory of the installed plugins, in which mauved looks without --plugin-dir. A build tree
+/// and an installed copy have the same shape; a program elsewhere uses the latter.
+std::string installed_directory();
+
 /// Reads NAME.so from the first directory that has it. Refused: a text that is not a name, a
 /// symbolic link, a special file, more than 256 MiB. Refused: a file that `trust` refuses, also for
 /// any directory above it. [factory]

@@ -73,6 +73,22 @@ TEST_F(PluginFileTest, SaysThatADirectoryIsNotThere) {
   EXPECT_EQ(file.error().message, "there is no guidance.so in /nowhere (no such directory)");
 }
 
+TEST_F(PluginFileTest, NamesTheOptionThatAddsADirectory) {
+  const Result<PluginFile> file = read("no_such");
+
+  ASSERT_FALSE(file);
+  EXPECT_EQ(file.error().hint,
+            "mauved looks nowhere else; its option --plugin-dir names more directories");
+}
+
+TEST_F(PluginFileTest, SaysThatThePluginIsInTheInstalledDirectoryThatAnOptionDropped) {
+  const Result<PluginFile> file = read("types");
+
+  ASSERT_FALSE(file);
+  EXPECT_EQ(file.error().hint,
+            "it is in " + installed_directory() + ": name that with --plugin-dir of mauved too");
+}
+
 TEST_F(PluginFileTest, TakesTheFirstDirectoryThatHasIt) {
   const TempDir second;
   write("both.so");
