@@ -49,7 +49,14 @@ std::string change_lines(const Json& result, Look look) {
 }
 
 std::string render_diff(std::string_view file, const Json& result, Look look) {
-  const std::string lines = change_lines(result, look);
+  std::string lines;
+  for (const Json& line : list_in(result, "lines")) {
+    lines += text_of(line, look);
+    if (word(line, "kind") != "architecture" || lines.empty()) continue;
+    // The name is the one part of a file that no change reaches.
+    lines.insert(lines.size() - 1,
+                 " (apply refuses this: keep the name, or start mauved with this file)");
+  }
   if (lines.empty()) return same_as(file, result);
   return "--- what runs, generation " + word(result, "generation") + "\n+++ " + harmless(file) +
          "\n" + lines;

@@ -257,7 +257,8 @@ TEST_F(Apply, NamesTheOptionOfMauvedWhereAPluginIsMissing) {
 TEST_F(Apply, RefusesAnotherName) {
   const auto text = with(R"("name": "trial")", R"("name": "trail")");
 
-  EXPECT_THAT(ctl("diff", text).out, HasSubstr("~ name: trial -> trail\n"));
+  EXPECT_THAT(ctl("diff", text).out,
+              HasSubstr("~ name: trial -> trail (apply refuses this: keep the name, or "));
   EXPECT_EQ(ctl("apply", text).exit, 1);
   EXPECT_THAT(client_errors(), HasSubstr("keep the name, or start mauved with this file"));
   EXPECT_EQ(generation(), 1);

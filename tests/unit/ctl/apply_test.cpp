@@ -45,6 +45,18 @@ TEST(RenderDiff, HasOneLineForEachDifference) {
             std::string("--- what runs, generation 42\n+++ rover.json\n") + kLines);
 }
 
+TEST(RenderDiff, SaysThatApplyRefusesAnotherName) {
+  const Json line = {{"op", "change"},
+                     {"kind", "architecture"},
+                     {"address", "name"},
+                     {"old", "rover"},
+                     {"new", "yard"}};
+
+  EXPECT_EQ(render_diff("yard.json", {{"generation", 3}, {"lines", {line}}}, {}),
+            "--- what runs, generation 3\n+++ yard.json\n~ name: rover -> yard (apply refuses "
+            "this: keep the name, or start mauved with this file)\n");
+}
+
 TEST(RenderDiff, IsOneSentenceWhenNothingDiffers) {
   EXPECT_EQ(render_diff("rover.json", kSame, {}), "rover.json is what runs (generation 41)\n");
 }
