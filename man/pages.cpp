@@ -76,8 +76,8 @@ std::string commands() {
     text += options_of(command.arguments);
     if (command.changes)
       text +=
-          ".PP\nChanges the system, so it takes \\fB\\-\\-if\\-generation\\fP and "
-          "\\fB\\-\\-reason\\fP.\n";
+          ".PP\nAlso takes \\fB\\-\\-if\\-generation\\fP and \\fB\\-\\-reason\\fP, for a use that "
+          "changes the system.\n";
     text += ".PP\nExample: " + bold(command.example) + "\n";
   }
   return text;

@@ -143,8 +143,8 @@ std::string help_text(const Command& command, std::size_t width) {
   if (command.changes) {
     text += "\n" +
             wrapped(
-                "The command changes the system, so it also takes --if-generation "
-                "GENERATION and --reason TEXT.",
+                "It also takes --if-generation GENERATION and --reason TEXT, for a use that "
+                "changes the system.",
                 width, 0) +
             "\n";
   }

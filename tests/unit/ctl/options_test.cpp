@@ -170,6 +170,17 @@ TEST(Help, OfOneCommandNamesItsArgumentsWithUnits) {
   EXPECT_NE(help_text(*find_command("plot"), 80).find("-o, --output FILE"), std::string::npos);
 }
 
+TEST(Help, DoesNotSayThatACommandChangesTheSystemWhereOnlyOneOfItsFormsDoes) {
+  for (const char* name : {"stats", "lock", "log", "quarantine", "plan", "set"}) {
+    EXPECT_NE(
+        help_text(*find_command(name), 120)
+            .find("It also takes --if-generation GENERATION and --reason TEXT, for a use that "
+                  "changes the system."),
+        std::string::npos)
+        << name;
+  }
+}
+
 TEST(Help, SaysOfEveryOptionWhatItsValueIs) {
   const auto check = [](const Argument& option) {
     if (!option.is_option() || option.flag) return;
