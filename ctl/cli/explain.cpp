@@ -112,9 +112,11 @@ int explain_message(Session& session, const Message& message) {
   const bool event = message.kind == "event";
   const std::string system = message.system.empty() ? "" : part("system", message.system, session);
   session.print(json_of(message),
+  // A text that is one value only stands in the log as it is.
+  const bool shown = message.text != "{text}";
                 bold(message.name, session) + "\n" + part("kind", kind_of(message), session) +
-                    part(event ? "text" : "meaning", message.text, session) + system +
-                    part(event ? "meaning" : "advice", message.advice, session));
+                    (shown ? part(event ? "text" : "meaning", message.text, session) : "") +
+                    system + part(event ? "meaning" : "advice", message.advice, session));
   return 0;
 }
 

@@ -154,6 +154,12 @@ TEST(Explain, SaysOfEachRefusalWhatItMeansForTheRunningSystem) {
       "generation.\n");
 }
 
+TEST(Explain, LeavesOutATextThatIsOneValueOnly) {
+  EXPECT_THAT(run("/nowhere", {"explain", "overrun"}).out,
+              testing::StartsWith("overrun\n  kind   : event, warn\n  meaning: "));
+  EXPECT_THAT(run("/nowhere", {"explain", "rolled_back"}).out, HasSubstr("  text   : "));
+}
+
 /// The names on the wire are those of mauve::Errc, which ends where to_string() knows no name.
 TEST(Explain, KnowsEachReasonToRefuse) {
   std::vector<std::string> refusals;
