@@ -63,7 +63,7 @@ TEST(RenderErrors, PointAtLineAndColumn) {
             "  hint: try 0.2\n"
             "1 error\n");
   EXPECT_EQ(render_errors("rover.json", Json::parse(R"({"errors":[]})"), {}),
-            "rover.json: no error\n");
+            "rover.json: no errors\n");
 }
 
 TEST(RenderErrors, NameTheEntryThatExplainsEach) {
