@@ -121,7 +121,10 @@ std::vector<std::string> next_commands(const ProjectKind& kind, const std::strin
       "cd " + name,
       "cmake -B build -DCMAKE_PREFIX_PATH=\"" + prefix().string() + "\" && cmake --build build",
       "ctest --test-dir build"};
-  if (kind.kind == "core") {
+  if (kind.kind == "core") {  // it runs in the robot that mauve brings
+    const std::string mauve = prefix().string();
+    all.push_back("mauved \"" + mauve + "/share/mauve/yard.json\" --plugin-dir \"" + mauve +
+                  "/lib/mauve/plugins\" --plugin-dir build >mauved.log 2>&1 &");
     all.push_back("mauvectl load " + name);
     all.push_back("mauvectl swap-core control " + name + "/straight");
   } else {

@@ -44,6 +44,7 @@ TEST_F(NewProject, HasTheNameInPlaceOfThatOfTheExample) {
     const Outcome outcome = write(kind, name);
     EXPECT_EQ(outcome.exit, 0) << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr("cd " + name + "\n"));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("  mauved [^\n]*--plugin-dir build"));
     EXPECT_THAT(test::TempDir::read(name + "/CMakeLists.txt"),
                 HasSubstr("mauve_add_plugin(" + name + " SOURCES"));
     EXPECT_TRUE(fs::exists(name + "/" + name + "_test.cpp")) << kind;
