@@ -39,7 +39,7 @@ These words stand in many entries; the [glossary](glossary.md) has more:
 - *poisoned*: a resource in which a call was aborted. It refuses all callers until it has a new core.
 """
 STRING = r'"((?:[^"\\]|\\.)*)"'
-ENTRY = re.compile(r"MAUVE_(EVENT|ERROR|FAILURE)\(((?:0x\w+, )?)(\w+), (?:(\w+),\s*)?"
+ENTRY = re.compile(r"MAUVE_(EVENT|ERROR|FAILURE|VALUE_STATUS)\(((?:0x\w+, )?)(\w+), (?:(\w+),\s*)?"
                    rf"((?:{STRING}\s*)+),\s*((?:{STRING}\s*)+)\)")
 REFUSAL = re.compile(rf"MAUVE_REFUSAL\((\w+), (\w+), (\w+),\s*((?:{STRING}\s*)+),\s*((?:{STRING}\s*)+)\)")
 STATES = {"unchanged": "", "partly": "A part has changed.", "unknown": "It may still take effect.",
@@ -145,13 +145,16 @@ def page(root):
              *refusal_pages(named),
              "\n## Failures\n\nAfter each of these failures the outputs of the component have their safe values. A rollback, a "
              "standby core or a\nrestart follows, as the architecture file says.\n",
-             *table(errors, "FAILURE"), "\n## Events\n", *events(log)]
+             *table(errors, "FAILURE"),
+             "\n## Status of a value\n\nOne of these words stands beside a value in `mauvectl get`, `watch` and `record`, or "
+             "`timed_out`: the lock of the\nresource was not free in time.\n",
+             *table(errors, "VALUE_STATUS"), "\n## Events\n", *events(log)]
     return "".join(parts)
 
 
 def rows(root):
     """How many rows the tables have: none may be lost because it is written in another way."""
-    return sum(len(re.findall(r"^MAUVE_(?:EVENT|ERROR|FAILURE|REFUSAL)\(", (root / name).read_text("utf-8"), re.M))
+    return sum(len(re.findall(r"^MAUVE_(?:EVENT|ERROR|FAILURE|VALUE_STATUS|REFUSAL)\(", (root / name).read_text("utf-8"), re.M))
                for name in TABLES)
 
 

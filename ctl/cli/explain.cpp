@@ -52,7 +52,9 @@ constexpr Message kMessages[] = {
 #undef MAUVE_EVENT
 #define MAUVE_ERROR(name, meaning, advice) {"refusal", #name, "", meaning, advice},
 #define MAUVE_FAILURE(name, meaning, advice) {"failure", #name, "", meaning, advice},
+#define MAUVE_VALUE_STATUS(name, meaning, advice) {"status", #name, "", meaning, advice},
 #include "protocol/errors.def"
+#undef MAUVE_VALUE_STATUS
 #undef MAUVE_FAILURE
 #undef MAUVE_ERROR
 #define MAUVE_REFUSAL(name, kind, state, meaning, advice) \
@@ -110,10 +112,10 @@ int list_messages(Session& session) {
 
 int explain_message(Session& session, const Message& message) {
   const bool event = message.kind == "event";
-  const std::string system = message.system.empty() ? "" : part("system", message.system, session);
-  session.print(json_of(message),
   // A text that is one value only stands in the log as it is.
   const bool shown = message.text != "{text}";
+  const std::string system = message.system.empty() ? "" : part("system", message.system, session);
+  session.print(json_of(message),
                 bold(message.name, session) + "\n" + part("kind", kind_of(message), session) +
                     (shown ? part(event ? "text" : "meaning", message.text, session) : "") +
                     system + part(event ? "meaning" : "advice", message.advice, session));

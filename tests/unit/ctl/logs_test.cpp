@@ -186,6 +186,12 @@ TEST(Explain, NamesTheNearestMessageAndTheList) {
   EXPECT_THAT(outcome.err, HasSubstr("mauvectl explain lists all messages"));
 }
 
+TEST(Explain, KnowsTheWordsBesideAValue) {
+  for (const char* status : {"current", "no_data", "old_data", "new_data", "stale", "poisoned"}) {
+    EXPECT_THAT(run("/nowhere", {"explain", status}).out, HasSubstr("  kind   : status\n"));
+  }
+}
+
 TEST(Explain, SaysWhichPluginBringsAName) {
   const Json plugins = Json::parse(R"({"items": [{"name": "guidance", "version": "1.2",
     "file": "/p/guidance.so", "cores": ["guidance/stop"], "types": ["gain/1"]}]})");
