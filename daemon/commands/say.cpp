@@ -31,6 +31,14 @@ void say_notes(const std::vector<std::string>& notes, Json& result) {
   }
 }
 
+void say_same_build(const std::vector<arch::Line>& lines, Json& result) {
+  if (!lines.empty() && lines.front().before == lines.front().after) {
+    say_notes({"the file has the build that runs already, so the code is the same; everything of "
+               "the plugin is made anew"},
+              result);
+  }
+}
+
 void say_sync(std::optional<Result<PreparedChange>>& prepared, Json& result) {
   if (prepared && *prepared && (*prepared)->content().barrier) {
     result["sync"] = "barrier";

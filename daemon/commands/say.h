@@ -21,6 +21,10 @@ void remember_lines(Running& running, const std::vector<arch::Line>& lines);
 /// [any] Appends to the notes of the result.
 void say_notes(const std::vector<std::string>& notes, Json& result);
 
+/// [any] A note where the first of the lines of a reload, that of the plugin, shows one build only.
+/// Such a reload is of use: it gives a poisoned resource a new core, and starts states fresh.
+void say_same_build(const std::vector<arch::Line>& lines, Json& result);
+
 /// [any] Whether all members wait for each other, as it was prepared.
 void say_sync(std::optional<Result<PreparedChange>>& prepared, Json& result);
 

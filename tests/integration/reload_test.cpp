@@ -32,6 +32,21 @@ TEST(Reload, RunsTheNewCodeOfAFileRebuiltAtTheSamePath) {
   EXPECT_EQ(daemon.component("first")["state"], "running");
 }
 
+TEST(Reload, SaysThatTheFileHasTheBuildThatRunsAlready) {
+  TrialDaemon daemon;
+  static_cast<void>(daemon.client());
+  const std::string same = "the file has the build that runs already";
+
+  auto planned = without_probation();
+  planned["dry_run"] = true;
+  EXPECT_THAT(daemon.ask("plugin.reload", planned)["notes"].dump(), testing::HasSubstr(same));
+  EXPECT_THAT(daemon.ask("plugin.reload", without_probation())["notes"].dump(),
+              testing::HasSubstr(same));
+  daemon.install(2);
+  EXPECT_THAT(daemon.ask("plugin.reload", without_probation()).value("notes", Json()).dump(),
+              testing::Not(testing::HasSubstr(same)));
+}
+
 TEST(Reload, UnmapsTheOldCodeAndKeepsTheConnections) {
   TrialDaemon daemon;
   static_cast<void>(daemon.client());

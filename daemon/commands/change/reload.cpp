@@ -183,6 +183,7 @@ Json result_of(Running& running, Reload& reload) {
   say_sync(reload.prepared, result);
   say_who_stands(running, reload.change, result);
   say_lines(reload.lines, result);
+  say_same_build(reload.lines, result);
   if (reload.receipt && reload.change.probation) {
     result["probation"] = to_json(*reload.change.probation);
   }
@@ -250,6 +251,7 @@ void answer_dry_reload(Running& running, const CallPtr& call, ReloadPtr reload, 
   result["dry_run"] = true;
   say_sync(reload->prepared, result);
   say_lines(reload->lines, result);
+  say_same_build(reload->lines, result);
   answer(running, *call, std::move(result));
   running.control.in_factory(
       [reload = std::move(reload)]() mutable {
