@@ -128,5 +128,29 @@ TEST(Value, OfAStatisticIsTheOneThatItsComponentShows) {
   }
 }
 
+TEST(Show, OfACoreHasItsTypeItsStateAndItsProperties) {
+  TrialDaemon daemon;
+
+  const auto core = daemon.ask("object.get", {{"address", "first.core"}});
+
+  EXPECT_EQ(core["kind"], "core") << core;
+  EXPECT_EQ(core["type"], daemon.component("first")["core"]);
+  EXPECT_EQ(core["core_state"]["bytes"], 8) << core;
+  EXPECT_EQ(core["core_state"], daemon.ask("object.get", {{"address", "first"}})["core_state"]);
+  for (const auto& property : core["properties"]) {
+    EXPECT_EQ(property["name"].get<std::string>().substr(0, 5), "core.") << property;
+  }
+  EXPECT_EQ(daemon.ask("object.get", {{"address", "nobody.core"}})["data"]["id"],
+            "unknown_element");
+}
+
+TEST(Show, OfACoreOfAResourceHasItsType) {
+  TrialDaemon daemon;
+
+  const auto core = daemon.ask("object.get", {{"address", "signal.core"}});
+
+  EXPECT_EQ(core["type"], daemon.ask("object.get", {{"address", "signal"}})["type"]) << core;
+}
+
 }  // namespace
 }  // namespace mauve::test

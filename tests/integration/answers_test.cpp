@@ -60,8 +60,8 @@ class AnswersOf : public testing::Test {
         "signal.read",     "first.missed",     "first.task.budget",  "second.ports.input.status"};
     ask_each("param.get", "address", addresses);
     ask_each("object.get", "address",
-             {"first", "signal", "first.core.gain", "first.core.count", "first.ports.output",
-              "second.ports.input", "signal.read", "signal.write"});
+             {"first", "signal", "first.core", "signal.core", "first.core.gain", "first.core.count",
+              "first.ports.output", "second.ports.input", "signal.read", "signal.write"});
   }
   void set_and_watch() {
     const Json gain = {{"values", {{"first.core.gain", 0.7}}}};

@@ -14,6 +14,8 @@
 #include "mauve/host/resource.h"
 #include "mauve/observable.h"
 #include "mauve/service.h"
+#include "mauve/slow_state.h"
+#include "mauve/state.h"
 
 namespace mauve::daemon {
 
@@ -72,10 +74,14 @@ Json port_rows(const Running& running, const Element& element) {
   return rows;
 }
 
-void add_parts(Json& object, const Running& running, const Element& element) {
+/// Of the part `only`; empty: of all parts.
+void add_values(Json& object, const Element& element, std::string_view only) {
   Json properties = Json::array();
   Json observables = Json::array();
   for (const auto& [group, part] : element.parts()) {
+    if (!only.empty() && group != only) {
+      continue;
+    }
     const auto prefix = std::string(group) + ".";
     for (const auto* property : part->properties()) {
       properties.push_back(property_row(prefix + std::string(property->name()), *property));
@@ -86,7 +92,22 @@ void add_parts(Json& object, const Running& running, const Element& element) {
   }
   object["properties"] = std::move(properties);
   object["observables"] = std::move(observables);
+}
+
+void add_parts(Json& object, const Running& running, const Element& element) {
+  add_values(object, element, {});
   object["ports"] = port_rows(running, element);
+}
+
+/// The states that a change hands over to the next core.
+void add_states(Json& object, const CoreBase& core) {
+  const auto add = [&object](const char* key, const Capsule* state) {
+    if (state != nullptr) {
+      object[key] = {{"type", state->type().name}, {"bytes", state->type().size}};
+    }
+  };
+  add("core_state", core.state());
+  add("slow_state", core.slow_state());
 }
 
 Json task_of(const TaskAttributes& task, const ComponentStatus& status) {
@@ -142,7 +163,24 @@ Json show_component(const Running& running, ComponentBase& component) {
   if (status.state == ComponentState::recovering) {
     object["recovery"] = recovery_json(status.recovery);
   }
+  add_states(object, *bundle.core);
   add_parts(object, running, {&component, nullptr});
+  return object;
+}
+
+/// A core is no value but has values: its properties and observables.
+Json show_core(const Element& element) {
+  Json object = {{"address", element.name() + ".core"}, {"kind", "core"}};
+  if (element.component != nullptr) {
+    const auto& bundle = *element.component->bundle();
+    object["type"] = bundle.core_type.name;
+    object["contract"] = bundle.core_type.contract.name;
+    add_states(object, *bundle.core);
+  } else {
+    object["type"] = element.resource->type().name;
+    add_states(object, element.resource->core());
+  }
+  add_values(object, element, "core");
   return object;
 }
 
@@ -216,7 +254,12 @@ Result<Json> show_target(const Running& running, const std::string& address) {
 
 Result<Json> show(Running& running, const Call& call) {
   const auto address = text_or(call.params, "address");
-  if (address.find('.') != std::string::npos) {
+  const auto dot = address.find('.');
+  if (dot != std::string::npos && address.substr(dot) == ".core") {
+    const auto element = find_element(running, address.substr(0, dot));
+    return element ? Result<Json>(show_core(*element)) : element.error();
+  }
+  if (dot != std::string::npos) {
     return show_target(running, address);
   }
   const auto element = find_element(running, address);
