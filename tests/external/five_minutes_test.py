@@ -3,8 +3,8 @@
 """Runs what README.md prints under "Five minutes", in an empty home folder.
 
 five_minutes_test.py README.md PREFIX. Each command runs as it is printed, but for what makes and
-installs mauve (PREFIX is a copy that is installed already), a command that Ctrl-C is to end (it
-gets SIGINT), and times to look on (one second is enough here).
+installs mauve (PREFIX is a copy that is installed already), the line for users of the Debian packages,
+a command that Ctrl-C is to end (it gets SIGINT), and times to look on (one second is enough here).
 """
 import contextlib
 import os
@@ -26,9 +26,11 @@ def commands(readme):
     lines = "".join(BLOCK.findall(section.group(0))).splitlines()
     made = [line for line in lines if line.startswith(("cmake --preset", "cmake --install"))]
     assert len(made) == 2, f"one line makes mauve and one installs it, not {made}"
+    packages = [line for line in lines if line.startswith("export MAUVE=/usr")]
+    assert len(packages) == 1, f"one line is for the packages, not {packages}"
     script = []
     for line in lines:
-        if line in made:
+        if line in made + packages:
             continue
         if "Ctrl-C ends it" in line:
             line = f"{{ timeout --preserve-status --signal=INT 1 {line}\n}} || test $? = 130"

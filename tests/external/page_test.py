@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Runs the commands of a page as they are printed, and compares their output with the page.
 
-page_test.py INDEX PAGE PREFIX. INDEX is the page with the block ```sh that prepares a shell; PREFIX
-is an installed mauve, which the home folder of the test holds as "mauve".
+page_test.py INDEX PAGE PREFIX. INDEX is the page with the blocks ```sh that prepare a shell; PREFIX
+is an installed mauve: /usr as from packages, or one that the home folder of the test holds as "mauve".
+INDEX sets MAUVE once for either; the test leaves the other line out.
 
 A block ```console of the page has commands ("$ " begins one, "> " continues it) and output below
 them. A command without output on the page must succeed. In output a line "..." stands for any
@@ -28,6 +29,7 @@ import sys
 import tempfile
 
 PREPARE = re.compile(r"^```sh\n(.*?)^```", re.M | re.S)
+SET_MAUVE = re.compile(r"^export MAUVE=(\S+)\n", re.M)
 BLOCK = re.compile(r"^(?:(Write this into|Change|The file) `([^`\n]+)`(?: contains)?:\n)?```(\w*)[^\n]*\n(.*?)^```", re.M | re.S)
 EARLIER = re.compile(r"\bBegin\s+with\s+the\s+files\s+of\s+\[[^\]]*\]\(([^)]+)\)")
 ATTEMPTS = re.compile(r", \d+ attempts")
@@ -86,6 +88,14 @@ def earlier_edits(page):
     edits = [edit(order, file, text) for order, file, _, text in BLOCK.findall(read(before))
              if order in ("Write this into", "Change")]
     return earlier_edits(before) + edits
+
+
+def prepare_of(index, prefix):
+    """The commands of INDEX that prepare a shell, with the MAUVE of this installation only."""
+    text = "".join(PREPARE.findall(read(index)))
+    used, other = ("/usr", '"$HOME/mauve"') if prefix == "/usr" else ('"$HOME/mauve"', "/usr")
+    assert sorted(SET_MAUVE.findall(text)) == sorted((used, other)), f"{index} sets MAUVE once for packages, once from source"
+    return SET_MAUVE.sub(lambda line: line[0] if line[1] == used else "", text)
 
 
 def steps_of(page):
@@ -160,8 +170,9 @@ def main():
     page_steps = steps_of(page)
     home = tempfile.mkdtemp(prefix="mauve_home_")
     try:
-        os.symlink(prefix, os.path.join(home, "mauve"))
-        done, output = run(PREPARE.search(read(index)).group(1), [step[0] for step in page_steps], home)
+        if prefix != "/usr":
+            os.symlink(prefix, os.path.join(home, "mauve"))
+        done, output = run(prepare_of(index, prefix), [step[0] for step in page_steps], home)
         wrong = list(judge(page_steps, done))
         if wrong:
             print(output.replace(MARK, "exit "), *wrong, sep="\n")

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """tutorial_test.py PACKAGES SOURCE: the tutorials of SOURCE work as printed with the installed packages.
 
-All happens in a copy of this machine, in which /usr is the folder that the pages call ~/mauve. Without root it is skipped.
+All happens in a copy of this machine, with MAUVE=/usr as the pages set it for packages. Without root it is skipped.
 """
 import os
 import pathlib
