@@ -20,6 +20,12 @@ for unit in mauve-guardian mauved; do
   systemd-analyze security --offline=true --threshold=10 "$work/$unit.service" | tail -1
 done
 
+# The check of `systemctl reload` looks for plugins where the start does.
+for line in ExecStart ExecReload; do
+  grep -q "^$line=.* \$MAUVED_OPTIONS\$" "$1/systemd/mauved.service" ||
+    { echo "$line of mauved.service does not use MAUVED_OPTIONS" >&2; exit 1; }
+done
+
 # With the drop-ins in force (comment signs removed) it must still be understood.
 for drop_in in capabilities devices; do
   mkdir -p "$work/mauved.service.d"
