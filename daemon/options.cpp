@@ -150,7 +150,7 @@ void declare(CLI::App& app, Options& options) {
   app.name("mauved");
   app.footer(
       "Examples:\n"
-      "  mauved etc/rover.json\n"
+      "  mauved /usr/share/mauve/rover.json\n"
       "  mauved --check my.json\n"
       "  mauved /etc/mauve/architecture.json --realtime require");
   app.set_version_flag("--version", "mauved " MAUVE_VERSION);

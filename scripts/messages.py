@@ -67,7 +67,10 @@ def entries(text):
 
 
 def cell(text):
-    return text.replace("|", "\\|")
+    """Text in a table. A "<" outside of backticks would begin a tag, which a browser does not show."""
+    parts = text.replace("|", "\\|").split("`")
+    parts[::2] = [part.replace("<", "&lt;").replace(">", "&gt;") for part in parts[::2]]
+    return "`".join(parts)
 
 
 def event_text(text):

@@ -160,7 +160,8 @@ int run_new(Session& session) {
   if (files.empty()) {
     return session.fail(
         fault_of(refuse({Errc::system, "examples_missing"}, example,
-                        "the examples are not installed", "install mauve with cmake --install")));
+                        "the examples are not installed",
+                        "install the package mauve-dev, or mauve with cmake --install")));
   }
   if (const Status done = write(files, *kind, name); !done) {
     return session.fail(fault_of(done.error()));

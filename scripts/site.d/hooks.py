@@ -164,11 +164,13 @@ def on_files(files, config):
 
 
 def separate_lists(text):
-    """A list after a line of text begins a list, as it does for other readers of Markdown."""
+    """A list or a table after a line of text or after a block of code begins there, as it does for other readers of Markdown."""
     lines = []
     for line in text.split("\n"):
         before = lines[-1] if lines else ""
         if ITEM.match(line) and before.strip() and not ITEM.match(before) and not before.startswith((" ", "|", "#")):
+            lines.append("")
+        if line.startswith("|") and not before.startswith("|"):
             lines.append("")
         lines.append(line)
     return "\n".join(lines)

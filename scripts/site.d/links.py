@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Fails when a page of a site links to a page or an anchor that is not there, or loads anything from the network.
+"""Fails when a page of a site links to a page or an anchor that is not there, or loads anything from the network, or shows
+a table as raw text.
 
 Usage: links.py SITE    prints one line for each violation: page: what
 """
@@ -11,21 +12,30 @@ import re
 import sys
 import urllib.parse
 
+CODE = ("code", "pre", "script", "style")
 LOADS = {"script": "src", "img": "src", "link": "href", "iframe": "src", "source": "src", "object": "data"}
 NETWORK = re.compile(r"(?:[a-z]+:)?//", re.IGNORECASE)
 STYLE = re.compile(r"(?:url\(|@import)\s*['\"]?((?:https?:)?//[^'\")\s]+)")
 
 
 class Page(html.parser.HTMLParser):
-    """Anchors, links and loaded files of one page."""
+    """Anchors, links and loaded files of one page, and whether a table is text there."""
 
     def __init__(self, text):
         super().__init__()
         self.anchors, self.links, self.loads = {"", "top", "__skip"}, set(), set()
+        self.inside_code, self.raw_table = 0, False
         self.feed(text)
+
+    def handle_data(self, data):
+        self.raw_table |= not self.inside_code and "|---" in data
+
+    def handle_endtag(self, tag):
+        self.inside_code -= tag in CODE
 
     def handle_starttag(self, tag, attrs):
         values = dict(attrs)
+        self.inside_code += tag in CODE
         self.anchors |= {values[key] for key in ("id", "name") if values.get(key)}
         if tag in ("a", "area") and values.get("href"):
             self.links.add(values["href"])
@@ -39,6 +49,8 @@ def problems(site):
     pages = {path.relative_to(site).as_posix(): Page(path.read_text("utf-8", errors="replace"))
              for path in sorted(site.rglob("*.html"))}
     for name, page in pages.items():
+        if page.raw_table:
+            yield f"{name}: a table is shown as raw text: |---"
         for target in sorted(page.links | page.loads):
             if NETWORK.match(target):
                 if target in page.loads:

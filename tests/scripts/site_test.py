@@ -50,6 +50,17 @@ class Site(unittest.TestCase):
         self.assertIn("main", pages["source/daemon/main.cpp.html"])
         self.assertIn('href="tutorial/first.html"', pages["index.html"])
 
+    def test_begins_a_table_after_text_and_after_code(self):
+        table = "| a | b |\n|---|---|\n| 1 | 2 |"
+        code, output, pages = self.build(f"Text:\n{table}\n\n```\ncode\n```\n{table}")
+        self.assertEqual(code, 0, output)
+        self.assertEqual(pages["index.html"].count("<table>"), 2)
+
+    def test_refuses_a_table_that_is_shown_as_raw_text(self):
+        code, output, _ = self.build("Text:\n    \n  | a | b |\n  |---|---| c\n")
+        self.assertEqual(code, 1)
+        self.assertIn("index.html: a table is shown as raw text", output)
+
     def test_refuses_a_page_that_is_not_there(self):
         code, output, _ = self.build("[gone](../daemon/gone.cpp)")
         self.assertEqual(code, 1)

@@ -112,7 +112,7 @@ TEST(Options, ShowExamplesInTheHelp) {
   const auto leave = left({"--help"});
 
   EXPECT_EQ(leave.exit, 0);
-  EXPECT_THAT(leave.text, testing::HasSubstr("mauved etc/rover.json"));
+  EXPECT_THAT(leave.text, testing::HasSubstr("mauved /usr/share/mauve/rover.json"));
   EXPECT_THAT(leave.text, testing::HasSubstr("--plugin-dir"));
 }
 
