@@ -157,9 +157,13 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("architecture", options.architecture, "The architecture file (JSON)")
       ->required()
       ->type_name("ARCHITECTURE.json");
-  app.add_option("--socket", options.socket, "The admin socket")->type_name("PATH");
+  app.add_option("--socket", options.socket,
+                 "The admin socket; else $MAUVE_SOCKET; else /run/mauve/mauved.sock of root, and "
+                 "$XDG_RUNTIME_DIR/mauve/mauved.sock of other users")
+      ->type_name("PATH");
   app.add_option("--plugin-dir", options.plugin_dirs,
-                 "Load plugins from this directory and the others given, and from nowhere else")
+                 "Load plugins from this directory and the others given, and from nowhere else; "
+                 "without it from lib/mauve/plugins beside the folder of mauved")
       ->type_name("DIR")
       ->allow_extra_args(false);
   app.add_option("--allow-path", options.path_dirs,

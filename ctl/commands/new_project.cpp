@@ -158,10 +158,9 @@ int run_new(Session& session) {
   const fs::path example = prefix() / "share/mauve/examples" / kind->example;
   const std::vector<fs::path> files = files_of(example);
   if (files.empty()) {
-    return session.fail(
-        fault_of(refuse({Errc::system, "examples_missing"}, example,
-                        "the examples are not installed",
-                        "install the package mauve-dev, or mauve with cmake --install")));
+    return session.fail(fault_of(
+        refuse({Errc::system, "examples_missing"}, example, "the examples are not installed",
+               "install the package mauve-dev, or mauve with cmake --install")));
   }
   if (const Status done = write(files, *kind, name); !done) {
     return session.fail(fault_of(done.error()));

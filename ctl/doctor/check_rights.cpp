@@ -16,6 +16,7 @@ constexpr std::uint64_t kGuard = 95;  // the highest priority that mauved uses
 struct Holder {
   bool service = false;  ///< of a service manager: a unit grants, else a login
   bool wanted = true;    ///< false: it does without by choice
+  std::string group;     ///< whose logins get a limit
 };
 
 rt::ProcessFacts facts_of(const Json& daemon) {
@@ -34,7 +35,7 @@ rt::ProcessFacts facts_of(const Json& daemon) {
 }
 
 Holder holder_of(const Facts& facts) {
-  return {word(facts.daemon, "service") == "true", facts.asked_realtime() != "off"};
+  return {word(facts.daemon, "service") == "true", facts.asked_realtime() != "off", facts.group};
 }
 
 rt::ProcessFacts caller(const Facts& facts) { return rt::process_facts(facts.root, "self"); }
@@ -43,8 +44,8 @@ std::string unit(const std::string& line) {
   return "systemctl edit mauved, below [Service]: " + line + "; then systemctl restart mauved";
 }
 
-std::string login(const std::string& line) {
-  return "in /etc/security/limits.conf: @mauve - " + line + "; then log in again";
+std::string login(const Holder& holder, const std::string& line) {
+  return "in /etc/security/limits.conf: @" + holder.group + " - " + line + "; then log in again";
 }
 
 Finding judged(const Holder& holder, bool needed, const std::string& found,
@@ -56,7 +57,7 @@ Finding priority(const rt::ProcessFacts& facts, const Holder& holder, bool neede
   if (facts.nice_capability) return good("CAP_SYS_NICE: any priority");
   const std::string limit = "RLIMIT_RTPRIO is " + std::to_string(facts.priority_limit);
   if (facts.priority_limit >= kGuard) return good(limit);
-  const std::string remedy = holder.service ? unit("LimitRTPRIO=99") : login("rtprio 99");
+  const std::string remedy = holder.service ? unit("LimitRTPRIO=99") : login(holder, "rtprio 99");
   const std::string without = ", without CAP_SYS_NICE";
   if (facts.priority_limit > 0) {
     return doubt(limit + without + "; the guard needs " + std::to_string(kGuard), remedy);
@@ -69,7 +70,7 @@ Finding locking(const rt::ProcessFacts& facts, const Holder& holder, bool needed
   if (facts.lock_capability) return good("CAP_IPC_LOCK: any amount");
   if (!facts.lock_limit) return good("RLIMIT_MEMLOCK is unlimited");
   const std::string remedy =
-      holder.service ? unit("LimitMEMLOCK=infinity") : login("memlock unlimited");
+      holder.service ? unit("LimitMEMLOCK=infinity") : login(holder, "memlock unlimited");
   return judged(holder, needed,
                 "RLIMIT_MEMLOCK is " + std::to_string(*facts.lock_limit / 1024) +
                     " KiB, without CAP_IPC_LOCK: memory is not locked",
@@ -91,14 +92,18 @@ Finding check_priority_of_daemon(const Facts& facts) {
   return priority(facts_of(facts.daemon), holder_of(facts), true);
 }
 
-Finding check_priority_of_caller(const Facts& facts) { return priority(caller(facts), {}, false); }
+Finding check_priority_of_caller(const Facts& facts) {
+  return priority(caller(facts), {.group = facts.group}, false);
+}
 
 Finding check_locking_of_daemon(const Facts& facts) {
   if (facts.daemon.is_null()) return no_daemon();
   return locking(facts_of(facts.daemon), holder_of(facts), true);
 }
 
-Finding check_locking_of_caller(const Facts& facts) { return locking(caller(facts), {}, false); }
+Finding check_locking_of_caller(const Facts& facts) {
+  return locking(caller(facts), {.group = facts.group}, false);
+}
 
 Finding check_group(const Facts& facts) {
   const bool of_caller = facts.daemon.is_null();

@@ -45,6 +45,7 @@ Facts gather(Session& session) {
   facts.socket = session.globals.socket;
   facts.client = MAUVE_VERSION;
   facts.glibc = gnu_get_libc_version();
+  facts.group = doctor::group_of_caller();
   if (ask_into(session, facts, "version", facts.version) &&
       ask_into(session, facts, "status.get", facts.status)) {
     ask_into(session, facts, "daemon.doctor", facts.daemon);

@@ -20,6 +20,7 @@ struct Facts {
   std::string socket;                ///< where mauved was asked, also below the root
   std::string client;                ///< version of mauvectl
   std::string glibc;                 ///< that mauvectl runs with
+  std::string group = "mauve";       ///< for which a limit of logins is proposed
   Json daemon = nullptr;             ///< its answers to daemon.doctor, status.get and version
   Json status = nullptr;
   Json version = nullptr;
@@ -43,6 +44,9 @@ struct Facts {
   /// The option --realtime with which mauved was started; empty without a mauved.
   [[nodiscard]] std::string asked_realtime() const;
 };
+
+/// The group of mauve that the caller is in: mauve or mauve-admin; mauve where it is in neither.
+[[nodiscard]] std::string group_of_caller();
 
 /// The number at the beginning of a text, -1 where there is none.
 [[nodiscard]] std::int64_t whole(std::string_view text);

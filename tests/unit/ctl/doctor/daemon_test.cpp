@@ -79,6 +79,11 @@ TEST_F(DoctorOfMauved, JudgesTheRightsOfTheCallerMoreMildly) {
   write_caller("0", "8388608", "0000000000000000");
   expect(check_priority_of_caller(facts), Grade::warn, "RLIMIT_RTPRIO is 0", "limits.conf");
   expect(check_locking_of_caller(facts), Grade::warn, "8192 KiB", "memlock unlimited");
+  facts.group = "mauve-admin";
+  expect(check_priority_of_caller(facts), Grade::warn, "RLIMIT_RTPRIO is 0",
+         "@mauve-admin - rtprio 99");
+  expect(check_locking_of_caller(facts), Grade::warn, "8192 KiB",
+         "@mauve-admin - memlock unlimited");
   write_caller("99", "unlimited", "0000000000000000");
   expect(check_priority_of_caller(facts), Grade::ok, "RLIMIT_RTPRIO is 99");
   expect(check_locking_of_caller(facts), Grade::ok, "unlimited");
