@@ -40,7 +40,7 @@ class Filter final : public mauve::Core<Shell> {
 
   /// [rt] every period
   void update() {
-    constexpr double kPeriod = 0.01;  // s, the period of the state machine
+    constexpr double kPeriod = 0.01;  // s; equals fsm.period of the file: change both together
     state->position += state->speed * kPeriod;
     const double measured = shell().measured.read();
     if (shell().measured.status() == mauve::DataStatus::new_data) {

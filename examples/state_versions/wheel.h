@@ -24,7 +24,7 @@ class Counter : public mauve::Core<Shell> {
   virtual void update() = 0;  // [rt] every 10 ms
 
  protected:
-  static constexpr double kPeriod = 0.01;  // s
+  static constexpr double kPeriod = 0.01;  // s; equals fsm.period: change both together
 };
 
 class V1 final : public Counter {
