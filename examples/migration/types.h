@@ -32,6 +32,6 @@ struct Wheels {
 };
 
 inline constexpr double kTrack = 0.3;    // m, between the wheels
-inline constexpr double kPeriod = 0.01;  // s; equals fsm.period of both components: change all together
+inline constexpr double kPeriod = 0.01;  // s; equals fsm.period of both
 
 }  // namespace two_wheels

@@ -114,7 +114,7 @@ Status GuardedOutputs::hold(const void* owner, const std::string& name, int desc
   if (why.empty()) return ok();
   held_.erase(found);
   return refuse({Errc::invalid_value, "output_not_guarded"}, {}, why,
-                "see mauvectl doctor, and guardian/README.md");
+                "see mauvectl doctor, and man mauve-guardian");
 }
 
 void GuardedOutputs::drop(const void* owner) {
