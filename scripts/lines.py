@@ -57,7 +57,7 @@ def check_file(path, text):
     lines = text.splitlines()
     limit = FILE_LINES[pathlib.PurePath(path).suffix]
     if len(lines) > limit:
-        yield len(lines), f"{len(lines)} lines, the limit is {limit}; split by noun"
+        yield len(lines), f"{len(lines)} lines, the limit is {limit}; move one subject into a file named after it"
     for number, line in enumerate(lines, 1):
         if len(line) > COLUMNS:
             yield number, f"{len(line)} columns, the limit is {COLUMNS}"
