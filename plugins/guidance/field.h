@@ -16,7 +16,7 @@
 
 namespace guidance {
 
-/// Metres, as in the published listing; repaired() makes any pair of them usable.
+/// Distances are in metres, as in the published listing. repaired() makes any values usable.
 struct FieldParameters {
   double nu = 0.2;                 ///< inside this distance to the goal the pull fades linearly
   double psi = 1.0;                ///< beyond it the pull is one
@@ -44,8 +44,8 @@ struct FieldParameters {
   }
 };
 
-/// The parameters with d >= 1.25 r_s and d / sqrt(3) <= r_s (else the barrier could be passed) and
-/// psi >= nu > 0. The published pair d = r_s is outside and gets d = 1.25 r_s. [any]
+/// The parameters, changed where needed so that d >= 1.25 r_s, d / sqrt(3) <= r_s (else the robot
+/// could pass the barrier) and psi >= nu > 0. The published d = r_s becomes d = 1.25 r_s. [any]
 [[nodiscard]] FieldParameters repaired(FieldParameters parameters);
 
 /// L(s): 1 up to nu, 0 from psi, a cubic between them; a step when nu = psi. [any]
