@@ -44,7 +44,8 @@ int run_doctor(Session& session);
 int run_help(Session& session);
 int run_protocol(Session& session);
 int run_new(Session& session);
-/// Of any command with a method that needs no arguments: its answer as its row describes it.
+/// Serves any command whose row names a method without arguments: prints the answer as the row of
+/// the method describes it.
 int run_answer(Session& session);
 int run_completion(Session& session);
 int run_version(Session& session);
