@@ -70,13 +70,14 @@ struct Unproven {
   std::uint64_t replaces = 0;  ///< a saved one that goes when this one is confirmed; 0: none
 };
 
-/// The beginning of this run.
+/// The start of this run of mauved, and whether its architecture has proved itself: see
+/// recovery/unproven.h.
 struct Started {
-  std::uint64_t generation = 0;
-  std::chrono::steady_clock::time_point since = {};
-  unsigned crashes = 0;  ///< of the runs before
-  bool long_ago = false;
-  bool proves = true;  ///< none of its components has failed yet, and its time is not over
+  std::uint64_t generation = 0;                      ///< that the run began with; 0: not begun
+  std::chrono::steady_clock::time_point since = {};  ///< when its components had started
+  unsigned crashes = 0;   ///< runs in a row before this one that crashed with this architecture
+  bool long_ago = false;  ///< the run has lasted ten minutes; `running` on the disk says so
+  bool proves = true;     ///< none of its components has failed yet, and its time is not over
 };
 
 /// The running system as commands see it; the Daemon that owns it outlives every command. The model
@@ -92,8 +93,8 @@ struct Running {
   Supervisor& supervisor;
   std::function<std::vector<server::ClientInfo>()> clients;  ///< [any]
   std::string boot;                                          ///< another one at every start
-  std::chrono::steady_clock::time_point since;
-  std::atomic<std::uint64_t> generation{0};  ///< a copy for other threads
+  std::chrono::steady_clock::time_point since;               ///< when mauved began; see uptime_s
+  std::atomic<std::uint64_t> generation{0};                  ///< a copy for other threads
   /// [control] Stops by request of each component: no change that was asked for earlier undoes one.
   std::map<std::string, std::uint64_t> stops = {};
   /// [control] When the last of these came; it may have overtaken a change that came before it.
