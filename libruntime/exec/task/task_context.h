@@ -51,7 +51,8 @@ struct TaskContext {
   Instant parked_at = 0;
   std::uint64_t number = 0;  ///< of the last change that the task took
   JobMeter meter;
-  Evidence evidence;  ///< against the core, on probation
+  /// Late jobs of the last 64, at any time; on probation also the use of the budget.
+  Evidence evidence;
   bool running = false;
   bool waiting = false;  ///< at a barrier; the task runs again after it
 

@@ -78,7 +78,7 @@ template <typename T>
 class PropertyAt : public PropertyBase {
   static_assert(HasCodec<T>,
                 "mauve: the type of a property is a bool, a number, std::string, mauve::Duration, "
-                "mauve::Text, an array of these, or a struct with a mauve::Described");
+                "mauve::Text, an array of these, or a struct with type_name and fields()");
 
  public:
   /// As Property::operator=, with the answer at once.
