@@ -352,41 +352,6 @@ TEST(Watch, GoesOnAtAResourceThatComputesItsValue) {
   EXPECT_EQ(watcher.notification("replaced")["params"]["address"], "count.read");
 }
 
-TEST(Unload, UnmapsAPluginThatNothingUses) {
-  TrialDaemon daemon(R"({ "schema": "mauve/architecture/1", "name": "empty", "components": {} })");
-  ASSERT_EQ(daemon.ask("plugin.load", {{"plugin", "trial"}})["loaded"], true);
-
-  const auto unloaded = daemon.ask("plugin.unload", {{"plugin", "trial"}});
-
-  EXPECT_EQ(unloaded["unmapped"], true) << unloaded;
-  EXPECT_EQ(daemon.ask("plugin.list")["items"].size(), 0U);
-}
-
-TEST(Unload, SaysThatAPluginIsOnlyKeptForARollback) {
-  TrialDaemon daemon;
-  const std::string empty =
-      R"({ "schema": "mauve/architecture/1", "name": "trial", "plugins": ["trial"] })";
-  ASSERT_EQ(daemon.ask("architecture.apply", {{"text", empty}})["state"], "applied");
-
-  const auto error = daemon.ask("plugin.unload", {{"plugin", "trial"}});
-
-  EXPECT_THAT(error["message"].get<std::string>(),
-              HasSubstr("kept for the rollback until generation 2"));
-  EXPECT_EQ(error["data"]["hint"], "mauvectl confirm ends that at once");
-  ASSERT_EQ(daemon.ask("change.confirm")["changed"], true);
-  EXPECT_TRUE(eventually([&] {
-    return daemon.ask("plugin.unload", {{"plugin", "trial"}}).contains("unmapped");
-  }));
-}
-
-TEST(Unload, NamesTheUsersOfAPluginInUse) {
-  TrialDaemon daemon;
-
-  const auto error = daemon.ask("plugin.unload", {{"plugin", "trial"}});
-
-  EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("first.core"));
-}
-
 /// Its calls are few, so that they do not come to ten times those of the one before.
 TEST(LockBudgetOfAResource, IsCountedAnewForOneThatTakesTheNameOfAnother) {
   auto held = Json::parse(with_tally());
