@@ -11,7 +11,7 @@ namespace mauve {
 namespace {
 
 /// A resource with a lock, since its core is asked in the caller's job.
-class TableCore : public Core<EmptyShell> {
+class PlacedTable : public Core<EmptyShell> {
  public:
   Stateless stateless{*this};
   void write(const double& value) { last_ = value; }
@@ -19,8 +19,8 @@ class TableCore : public Core<EmptyShell> {
  private:
   double last_ = 0;
 };
-struct TableInterface : Interface<TableCore> {
-  WriteService<double> write{*this, "write", &TableCore::write};
+struct PlacedTableInterface : Interface<PlacedTable> {
+  WriteService<double> write{*this, "write", &PlacedTable::write};
 };
 
 struct UserShell : Shell {
@@ -41,7 +41,7 @@ TaskAttributes budgeted() {
 
 /// Two that share a lock, and one that does not, in this order: alone, first.
 struct SharedGrid : Architecture {
-  Resource<EmptyShell, TableCore, TableInterface> table{*this, "table"};
+  Resource<EmptyShell, PlacedTable, PlacedTableInterface> table{*this, "table"};
   mauve::Component<UserShell, User, UserFsm> alone{*this, "alone"};
   mauve::Component<UserShell, User, UserFsm> first{*this, "first"};
 
@@ -97,8 +97,8 @@ struct Between : Core<BetweenShell> {
 
 /// `between`, listed last, links the two others, which share nothing.
 struct Linked : Architecture {
-  Resource<EmptyShell, TableCore, TableInterface> table{*this, "table"};
-  Resource<EmptyShell, TableCore, TableInterface> desk{*this, "desk"};
+  Resource<EmptyShell, PlacedTable, PlacedTableInterface> table{*this, "table"};
+  Resource<EmptyShell, PlacedTable, PlacedTableInterface> desk{*this, "desk"};
   mauve::Component<UserShell, User, UserFsm> first{*this, "first"};
   mauve::Component<UserShell, User, UserFsm> second{*this, "second"};
   mauve::Component<BetweenShell, Between, PeriodicFsm<Between>> between{*this, "between"};
