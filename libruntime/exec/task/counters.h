@@ -15,7 +15,6 @@ struct Counters {
   std::atomic<std::uint64_t> missed{0};
   std::atomic<std::uint64_t> overruns{0};
   std::atomic<std::uint64_t> over_budget{0};
-  std::atomic<std::uint64_t> implausible{0};
   std::atomic<std::uint64_t> faults{0};
   std::atomic<std::uint64_t> restored{0};  ///< its scheduling; written by the guard
   std::atomic<std::int64_t> lateness_last{0};

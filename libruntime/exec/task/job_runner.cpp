@@ -191,7 +191,6 @@ void JobRunner::account(Instant start, const JobEnd& job) {
   if (late) use.late = Duration{use.end - deadline};
   if (late) count_overrun(use.late);
   if (task_.evidence.overran(late, attributes.overrun_limit)) faults_.overran_too_often();
-  if (this_job().implausible != nullptr) add<std::uint64_t>(counters.implausible, 1);
   if (task_.mailbox.on_probation()) {
     faults_.judge(use);
   } else {
