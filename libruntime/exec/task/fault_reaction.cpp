@@ -33,7 +33,8 @@ void FaultReaction::judge(const JobUse& job) {
   FaultRecord& fault = task_.report.fault();
   if (const PortBase* port = this_job().implausible) {
     copy_text(fault.text, port->name());
-    return record(Cause::implausible), end_core();
+    record(Cause::implausible);
+    return end_core();
   }
   const TaskUpdate& current = *task_.current;
   const Evidence::Rules rules{current.tolerated, current.window};
