@@ -371,9 +371,9 @@ TEST_F(Build, SurvivesExchangedWords) {
 
 TEST(ReadFile, SaysWhatIsWrongWithTheFile) {
   EXPECT_EQ(read_file("no/such/file.json").error().code, Errc::unknown_name);
-  EXPECT_EQ(read_file("etc").error().message, "is not a regular file");
+  EXPECT_EQ(read_file(MAUVE_SOURCE_DIR "/etc").error().message, "is not a regular file");
   EXPECT_EQ(read_file("/dev/zero").error().message, "is not a regular file");
-  const auto text = read_file("etc/architecture.schema.json");
+  const auto text = read_file(MAUVE_SOURCE_DIR "/etc/architecture.schema.json");
   ASSERT_TRUE(text);
   EXPECT_FALSE(text->empty());
 }

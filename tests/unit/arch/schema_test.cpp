@@ -21,7 +21,7 @@
 namespace mauve::arch {
 namespace {
 
-constexpr const char* kSchemaFile = "etc/architecture.schema.json";
+constexpr const char* kSchemaFile = MAUVE_SOURCE_DIR "/etc/architecture.schema.json";
 
 std::string text_of(const std::filesystem::path& path) {
   std::ifstream file(path);
@@ -216,7 +216,7 @@ TEST(Schema, CallsCrossCoreReservedUntilItHasAnEffect) {
 
 TEST(ArchitectureFiles, OfTheProjectAreAcceptedByTheParser) {
   std::size_t files = 0;
-  for (const auto& entry : std::filesystem::directory_iterator("etc")) {
+  for (const auto& entry : std::filesystem::directory_iterator(MAUVE_SOURCE_DIR "/etc")) {
     const std::string name = entry.path().filename().string();
     if (entry.path().extension() != ".json" || name.ends_with(".schema.json")) continue;
     ++files;
