@@ -50,7 +50,11 @@ std::string content_of(const Json& object, const Field& field) {
 
 std::string title_of(const Field& field, bool of_column) {
   std::string title(field.name);
-  if (field.type.unit == "ns" && title.ends_with("_ns")) title.resize(title.size() - 3);
+  // The value is printed with its unit.
+  const std::string unit = field.type.unit.empty() ? "" : "_" + std::string(field.type.unit);
+  if ((unit == "_ns" || unit == "_s") && title.ends_with(unit)) {
+    title.resize(title.size() - unit.size());
+  }
   std::ranges::replace(title, '_', ' ');
   if (!of_column) return title;
   std::ranges::transform(title, title.begin(), [](char letter) {

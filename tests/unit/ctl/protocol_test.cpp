@@ -82,7 +82,8 @@ constexpr protocol::Field kFields[] = {
 constexpr protocol::Record kThing{"Thing", "A thing", kFields};
 constexpr protocol::Field kItems[] = {has("items", list(kThing), "All things")};
 constexpr protocol::Field kMore[] = {has("items", list(kThing), "All things"),
-                                     has("t_ns", ns, "The time"), may("gone", text, "Nothing")};
+                                     has("t_ns", ns, "The time"), may("gone", text, "Nothing"),
+                                     may("uptime_s", seconds, "How long it runs")};
 
 }  // namespace sample
 
@@ -111,6 +112,7 @@ TEST(RenderAnswer, PutsSingleValuesBeforeTables) {
   const auto shown = render_answer(method, {{"items", Json::array()}, {"t_ns", 5'000'000'000}}, {});
 
   EXPECT_EQ(shown, "t: 5.0 s\nitems\nnone\n");
+  EXPECT_THAT(render_answer(method, {{"uptime_s", 2}}, {}), HasSubstr("uptime: 2 s\n"));
   EXPECT_THAT(shown, Not(HasSubstr("gone")));
 }
 
