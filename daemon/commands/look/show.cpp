@@ -118,6 +118,7 @@ Json task_of(const TaskAttributes& task, const ComponentStatus& status) {
           {"budget", format_duration(task.budget)},
           {"stack", task.stack},
           {"on_overrun", to_string(task.on_overrun)},
+          {"overrun_limit", task.overrun_limit},
           {"on_fault", arch::to_json(arch::describe_fault_policy(task.on_fault))},
           {"watchdog", format_duration(status.watchdog)},
           {"start", task.start}};
@@ -219,10 +220,19 @@ Json show_resource(const Running& running, ResourceBase& resource) {
   return object;
 }
 
+/// Some addresses have a value without being an object: attributes of a task, statistics.
+Error no_object(const Running& running, const std::string& address, Error error) {
+  if (sample_at(running, address)) {
+    error.hint = "mauvectl get " + address + " prints its value; mauvectl show " +
+                 address.substr(0, address.find('.')) + " shows the whole component";
+  }
+  return error;
+}
+
 Result<Json> show_target(const Running& running, const std::string& address) {
   const auto target = find_target(running, address);
   if (!target) {
-    return target.error();
+    return no_object(running, address, target.error());
   }
   Json object;
   if (target->property != nullptr) {

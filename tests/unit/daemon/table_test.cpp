@@ -9,6 +9,7 @@
 #include <future>
 #include <set>
 
+#include "arch/compare/describe.h"
 #include "commands/audit.h"
 #include "commands/lock.h"
 #include "support/eventually.h"
@@ -320,6 +321,22 @@ TEST_F(RampTable, NamesThePortsThatAreConnectedToAResource) {
 
   EXPECT_EQ(users("position"), Json({"control.ports.out"}));
   EXPECT_EQ(users("speed"), Json::array()) << "no port is connected to it";
+}
+
+TEST_F(RampTable, ShowsEveryAttributeOfATask) {
+  const auto shown = std::get<Json>(ask(Role::viewer, "object.get", {{"address", "control"}}));
+  for (const auto& [name, value] : arch::describe_task(TaskAttributes{})) {
+    EXPECT_TRUE(shown["task"].contains(name)) << name;
+  }
+}
+
+TEST_F(RampTable, LeadsFromShowToGetWhereAnAddressHasAValueOnly) {
+  for (const std::string address : {"control.task.watchdog", "control.missed"}) {
+    const Fault fault = refused(Role::viewer, "object.get", {{"address", address}});
+    EXPECT_EQ(fault.name, "unknown_name");
+    EXPECT_EQ(fault.hint, "mauvectl get " + address +
+                              " prints its value; mauvectl show control shows the whole component");
+  }
 }
 
 }  // namespace
