@@ -150,6 +150,8 @@ TEST(Why, ACoreHungAndItsFallbackTookOver) {
   EXPECT_EQ(failure["core_after"], "trial/other");
   EXPECT_EQ(failure["fsm_state"], "update");
   EXPECT_THAT(hints(said), Contains(HasSubstr("mauvectl swap-core first trial/hanging")));
+  EXPECT_THAT(hints(said), Contains(HasSubstr("mauvectl show first")));
+  EXPECT_THAT(hints(said), Contains(HasSubstr("mauvectl explain hung")));
   EXPECT_THAT(why_first(daemon), HasSubstr("its fallback core trial/other took over"));
 }
 

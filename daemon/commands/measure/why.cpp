@@ -7,6 +7,7 @@
 #include "commands/look/log_json.h"
 #include "commands/measure/kernel_counts.h"
 #include "commands/model.h"
+#include "exec/update/fault_record.h"
 #include "mauve/host/architecture.h"
 #include "mauve/service.h"
 #include "state/state_store.h"
@@ -86,7 +87,7 @@ Json quarantine_of(const Running& running, const Failure* failure) {
 void add_next_steps(const Running& running, const std::string& name, const Failure& failure,
                     Json& hints) {
   const auto& core = failure.culprit.core;
-  const bool hung = failure.cause == "did not return";
+  const auto cause = exec::cause_of(failure.cause);
   switch (failure.reaction) {
     case Reaction::parked:
       hints.push_back("mauvectl start " + name + " --reset: again, with a fresh core");
@@ -110,12 +111,11 @@ void add_next_steps(const Running& running, const std::string& name, const Failu
       }
       break;
   }
-  if (hung) {
+  if (cause == exec::Cause::hung) {
     hints.push_back("a job of it may run as long as its watchdog or ten budgets: mauvectl show " +
                     name);
   }
-  if (failure.cause.starts_with("took longer") || failure.cause.starts_with("overran") ||
-      failure.text.starts_with("overran")) {
+  if (cause == exec::Cause::over_budget || cause == exec::Cause::overruns) {
     hints.push_back("mauvectl analyze: what its jobs take, and what they may");
   }
   const auto* change = change_before(running, name, failure);
@@ -123,6 +123,10 @@ void add_next_steps(const Running& running, const std::string& name, const Failu
   if (parked && change != nullptr && running.store != nullptr && change->generation > 1) {
     hints.push_back("mauvectl rollback " + std::to_string(change->generation - 1) +
                     ": to before the last change of it");
+  }
+  if (cause) {
+    hints.push_back("mauvectl explain " + std::string(exec::word_of(*cause)) +
+                    ": the meaning of this failure");
   }
 }
 

@@ -23,10 +23,13 @@ std::string_view to_string(Cause cause) {
   return "unknown";
 }
 
-std::string_view word_of(Cause cause) {
-  constexpr std::array<std::string_view, 7> kWords{
-      "threw", "implausible", "over_budget", "overruns", "crashed", "hung", "asked"};
-  return kWords.at(static_cast<std::size_t>(cause));
+std::string_view word_of(Cause cause) { return kCauseWords.at(static_cast<std::size_t>(cause)); }
+
+std::optional<Cause> cause_of(std::string_view text) {
+  for (std::size_t i = 0; i < kCauseWords.size(); ++i) {
+    if (to_string(static_cast<Cause>(i)) == text) return static_cast<Cause>(i);
+  }
+  return std::nullopt;
 }
 
 }  // namespace mauve::exec

@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "state/failures.h"
 
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "exec/update/fault_record.h"
 
 namespace mauve::daemon {
 namespace {
@@ -41,6 +47,27 @@ class FailuresTest : public testing::Test {
   logging::History history{64};
   Failures failures;
 };
+
+TEST(Causes, AreTheFailuresThatExplainKnows) {
+  const std::vector<std::string_view> explained{
+#define MAUVE_ERROR(name, meaning, advice)
+#define MAUVE_FAILURE(name, meaning, advice) #name,
+#include "protocol/errors.def"
+#undef MAUVE_FAILURE
+#undef MAUVE_ERROR
+  };
+  EXPECT_THAT(explained, testing::ElementsAreArray(exec::kCauseWords));
+}
+
+TEST(Causes, AreFoundByTheirText) {
+  for (const auto word : exec::kCauseWords) {
+    const auto place = std::ranges::find(exec::kCauseWords, word);
+    const auto cause = static_cast<exec::Cause>(place - exec::kCauseWords.begin());
+    EXPECT_EQ(exec::word_of(cause), word);
+    EXPECT_EQ(exec::cause_of(to_string(cause)), cause);
+  }
+  EXPECT_EQ(exec::cause_of("unknown"), std::nullopt);
+}
 
 TEST_F(FailuresTest, KnowNothingOfWhoNeverFailed) {
   EXPECT_EQ(failures.find("arm", history), nullptr);
