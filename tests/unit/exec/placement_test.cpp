@@ -23,14 +23,14 @@ struct PlacedTableInterface : Interface<PlacedTable> {
   WriteService<double> write{*this, "write", &PlacedTable::write};
 };
 
-struct UserShell : Shell {
+struct PlacedUserShell : Shell {
   WritePort<double> out{*this, "out"};
 };
-struct User : Core<UserShell> {
+struct PlacedUser : Core<PlacedUserShell> {
   Stateless stateless{*this};
   void update() { shell().out.write(1.0); }
 };
-using UserFsm = PeriodicFsm<User>;
+using PlacedUserFsm = PeriodicFsm<PlacedUser>;
 
 TaskAttributes budgeted() {
   TaskAttributes task;
@@ -42,8 +42,8 @@ TaskAttributes budgeted() {
 /// Two that share a lock, and one that does not, in this order: alone, first.
 struct SharedGrid : Architecture {
   Resource<EmptyShell, PlacedTable, PlacedTableInterface> table{*this, "table"};
-  mauve::Component<UserShell, User, UserFsm> alone{*this, "alone"};
-  mauve::Component<UserShell, User, UserFsm> first{*this, "first"};
+  mauve::Component<PlacedUserShell, PlacedUser, PlacedUserFsm> alone{*this, "alone"};
+  mauve::Component<PlacedUserShell, PlacedUser, PlacedUserFsm> first{*this, "first"};
 
   SharedGrid() {
     alone.task() = budgeted();
@@ -59,8 +59,10 @@ struct SharedGrid : Architecture {
 /// Named "NAME", connected to the table or not.
 NewComponent joining(const std::string& name, bool shares) {
   auto component = std::make_shared<ComponentBase>(
-      name, ComponentType{"user", ShellType::of<UserShell>(), FsmType::of<UserFsm>("user"), {}},
-      CoreType::of<User>("user"));
+      name,
+      ComponentType{
+          "user", ShellType::of<PlacedUserShell>(), FsmType::of<PlacedUserFsm>("user"), {}},
+      CoreType::of<PlacedUser>("user"));
   component->task() = budgeted();
   NewComponent made{std::move(component), {}};
   if (shares) made.connect.push_back({"out", "table.write"});
@@ -87,7 +89,7 @@ TEST(Placement, RunsWhoSharesALockOnOneCpuAlsoWhenItJoins) {
   EXPECT_EQ(deployer.status("third").cpus, cpus);
 }
 
-struct BetweenShell : UserShell {
+struct BetweenShell : PlacedUserShell {
   WritePort<double> extra{*this, "extra"};
 };
 struct Between : Core<BetweenShell> {
@@ -99,8 +101,8 @@ struct Between : Core<BetweenShell> {
 struct Linked : Architecture {
   Resource<EmptyShell, PlacedTable, PlacedTableInterface> table{*this, "table"};
   Resource<EmptyShell, PlacedTable, PlacedTableInterface> desk{*this, "desk"};
-  mauve::Component<UserShell, User, UserFsm> first{*this, "first"};
-  mauve::Component<UserShell, User, UserFsm> second{*this, "second"};
+  mauve::Component<PlacedUserShell, PlacedUser, PlacedUserFsm> first{*this, "first"};
+  mauve::Component<PlacedUserShell, PlacedUser, PlacedUserFsm> second{*this, "second"};
   mauve::Component<BetweenShell, Between, PeriodicFsm<Between>> between{*this, "between"};
 
   Linked() {
