@@ -52,7 +52,9 @@ TEST(Causes, AreTheFailuresThatExplainKnows) {
   const std::vector<std::string_view> explained{
 #define MAUVE_ERROR(name, meaning, advice)
 #define MAUVE_FAILURE(name, meaning, advice) #name,
+#define MAUVE_VALUE_STATUS(name, meaning, advice)
 #include "protocol/errors.def"
+#undef MAUVE_VALUE_STATUS
 #undef MAUVE_FAILURE
 #undef MAUVE_ERROR
   };
