@@ -97,7 +97,7 @@ TEST(Probation, UndoAnswersWhenEverythingIsBack) {
   EXPECT_EQ(daemon.ask("quarantine.list")["cores"].size(), 0U) << "nobody was at fault";
   const auto again = daemon.ask("change.undo");
   EXPECT_EQ(again["data"]["name"], "wrong_state");
-  EXPECT_EQ(again["data"]["where"], "generation 3") << "the one in force";
+  EXPECT_THAT(again["message"].get<std::string>(), HasSubstr("generation 3 is off probation"));
   EXPECT_EQ(again["data"].value("hint", ""), "") << "nothing is kept that could be rolled back to";
 }
 
@@ -189,7 +189,7 @@ TEST(Probation, IsJoinedByANewerChangeOfTheSameComponentAndBothGoBack) {
   const auto joined = daemon.ask("core.swap", swap_to("trial/throwing_job"));
 
   ASSERT_TRUE(joined.contains("notes")) << joined;
-  EXPECT_THAT(joined["notes"][0].get<std::string>(), HasSubstr("as in generation 1"));
+  EXPECT_THAT(joined["notes"][0].get<std::string>(), HasSubstr("back to generation 1"));
   EXPECT_TRUE(eventually([&] { return daemon.component("first")["core"] == "trial/steady"; }));
   EXPECT_EQ(daemon.component("first")["state"], "running");
 }
