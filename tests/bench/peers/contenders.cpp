@@ -43,7 +43,7 @@ std::vector<Contender> contenders() {
       {"triple buffer", make_triple_buffer},
       other("roscpp", kRos, "libroscpp-dev libstd-msgs-dev python3-rosmaster",
             "a ROS master, which scripts/bench starts"),
-      other("iceoryx", kIceoryx, "libiceoryx-posh-dev", "shared memory in /dev/shm"),
+      other("iceoryx", kIceoryx, "libiceoryx-posh-dev libacl1-dev", "shared memory in /dev/shm"),
       other("Cyclone DDS", kCyclone, "cyclonedds-dev cyclonedds-tools", "the loopback interface")};
 }
 
