@@ -4,8 +4,6 @@
 
 #include <unistd.h>
 
-#include <cstdlib>
-#include <filesystem>
 #include <functional>
 #include <string>
 #include <thread>
@@ -18,6 +16,7 @@
 #include <boost/asio/write.hpp>
 
 #include "protocol/message.h"
+#include "support/temp_dir.h"
 
 namespace mauve::ctl {
 
@@ -69,25 +68,15 @@ class FakeServer {
   using Script = std::function<void(Peer&)>;
 
   explicit FakeServer(Script script, int connections = 1)
-      : folder_(make_folder()),
-        path_(folder_ + "/s"),
+      : path_(folder_ / "s"),
         acceptor_(io_, boost::asio::local::stream_protocol::endpoint(path_)),
         thread_([this, script = std::move(script), connections] { serve(script, connections); }) {}
 
-  ~FakeServer() {
-    thread_.join();
-    std::filesystem::remove_all(folder_);
-  }
+  ~FakeServer() { thread_.join(); }
 
   [[nodiscard]] const std::string& path() const { return path_; }
 
  private:
-  static std::string make_folder() {
-    std::string name = "/tmp/mauve_ctl_XXXXXX";
-    if (mkdtemp(name.data()) == nullptr) std::abort();
-    return name;
-  }
-
   void serve(const Script& script, int connections) {
     for (int i = 0; i < connections; ++i) {
       boost::asio::local::stream_protocol::socket socket(io_);
@@ -97,7 +86,7 @@ class FakeServer {
     }
   }
 
-  std::string folder_;
+  test::TempDir folder_;
   std::string path_;
   boost::asio::io_context io_;
   boost::asio::local::stream_protocol::acceptor acceptor_;
