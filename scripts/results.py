@@ -10,9 +10,12 @@ Usage: results.py STAGE FILE COUNTS [AGAIN]
            those that failed must not be excused. LOG is what ctest printed, LEDGER is tests/unsteady.txt
        results.py --check-ledger LEDGER TESTS
            fails when an entry of the ledger has no date or cause, or names no test below the folder TESTS
+       results.py --findings PREFIX
+           prints what the sanitizers found, from the files whose names begin with PREFIX; fails when they found nothing
        results.py --sum COUNTS
            prints the closing line of scripts/test
 """
+import datetime
 import pathlib
 import re
 import sys
@@ -27,6 +30,12 @@ BESIDE = 12  # tests that began before, and as many that began after one that fa
 # Of an output that was cut nobody can say that it has no report.
 REPORT = re.compile(r"ERROR: \w+Sanitizer|WARNING: ThreadSanitizer|runtime error:|LeakSanitizer"
                     r"|part of the test output was removed")
+
+# A process that is killed while its leak checker looks at its threads leaves these lines of the checker or an empty
+# file: in 8000 kills of a program at its end, 88 times the first line, 5 times the second and twice an empty file.
+KILLED = re.compile(r"==[^=]+==\d+==(Unable to get registers from thread \d+\."
+                    r"|Running thread \d+ was not suspended\. False leaks are possible\.)")
+LAST_LINES_OF_REPORT = 60
 
 
 def cases_of(junit):
@@ -115,6 +124,20 @@ def run_again(junit, log, ledger):
     return 0
 
 
+def findings(prefix):
+    """A report of a killed process is printed and is no finding: the checker had found nothing until then."""
+    found = False
+    prefix = pathlib.Path(prefix)
+    for path in sorted(prefix.parent.glob(prefix.name + ".*")):
+        lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+        killed = all(KILLED.fullmatch(line) for line in lines)
+        found = found or not killed
+        end = datetime.datetime.fromtimestamp(path.stat().st_mtime).astimezone().isoformat()
+        print(f"{path.name}, written until {end}" + (": killed during its leak check, no finding" if killed else ""))
+        print("".join(f"    {line}\n" for line in lines[-LAST_LINES_OF_REPORT:]), end="")
+    return 0 if found else 1
+
+
 def stage_report(stage, junit, counts, again=None):
     if not pathlib.Path(junit).exists():
         print(f"{stage}: NO RESULTS: ctest wrote no report")
@@ -162,7 +185,8 @@ def closing_line(counts):
 
 
 if __name__ == "__main__":
-    COMMANDS = {"--sum": closing_line, "--run-again": run_again, "--check-ledger": check_ledger}
+    COMMANDS = {"--sum": closing_line, "--run-again": run_again, "--check-ledger": check_ledger,
+                "--findings": findings}
     if sys.argv[1] in COMMANDS:
         sys.exit(COMMANDS[sys.argv[1]](*sys.argv[2:]))
     sys.exit(stage_report(*sys.argv[1:]))

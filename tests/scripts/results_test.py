@@ -120,6 +120,28 @@ class Results(unittest.TestCase):
             self.assertEqual(code, 1)
             self.assertIn("ledger:4:", output)
 
+    def test_finds_every_report_of_a_sanitizer(self):
+        for number, words in enumerate((
+                "==mauved==7==ERROR: LeakSanitizer: detected memory leaks",
+                "WARNING: ThreadSanitizer: data race (pid=7)",
+                "a.cpp:7:3: runtime error: signed integer overflow",
+                "AddressSanitizer: CHECK failed: asan_allocator.cpp:7",
+                "==mauved==8==Unable to get registers from thread 7.\n==mauved==7==ERROR: LeakSanitizer: leaks")):
+            self.write(f"report.mauved.{number}", words + "\n")
+            code, output = self.results("--findings", "report")
+            self.assertEqual(code, 0, output)
+            self.assertIn(words.splitlines()[-1], output)
+            (self.folder / f"report.mauved.{number}").unlink()
+        self.assertEqual(self.results("--findings", "report"), (1, ""))
+
+    def test_shows_the_report_of_a_process_killed_during_its_leak_check_which_is_no_finding(self):
+        self.write("report.mauved.7", "==mauved==8==Unable to get registers from thread 7.\n")
+        self.write("report.mauved.9", "==mauved==10==Running thread 9 was not suspended. False leaks are possible.\n")
+        self.write("report.mauved.11", "")
+        code, output = self.results("--findings", "report")
+        self.assertEqual(code, 1, output)
+        self.assertEqual(output.count("killed during its leak check, no finding"), 3, output)
+
     def test_fails_when_nobody_ran_again(self):
         self.write("first.xml", junit([("A.B", "fail", "")]))
         self.assertEqual(self.results("asan", "first.xml", "counts", "again.xml")[0], 1)
