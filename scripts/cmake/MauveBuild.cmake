@@ -96,7 +96,7 @@ add_custom_target(tsan_tests)
 function(mauve_test name)
   cmake_parse_arguments(ARG "SERIAL" "TIMEOUT" "SOURCES;LINKS;LABELS;ENVIRONMENT;DEPENDS" ${ARGN})
   if(NOT ARG_TIMEOUT)
-    set(ARG_TIMEOUT 60)
+    set(ARG_TIMEOUT 120)
   endif()
   if(rt IN_LIST ARG_LABELS OR campaign IN_LIST ARG_LABELS)
     set(ARG_SERIAL TRUE)  # true timing needs the machine for itself

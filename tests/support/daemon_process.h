@@ -31,7 +31,7 @@ class DaemonProcess {
   }
 
   /// True when it answers.
-  [[nodiscard]] bool up(std::chrono::milliseconds within = std::chrono::seconds(20)) {
+  [[nodiscard]] bool up(std::chrono::milliseconds within = std::chrono::minutes(1)) {
     const auto answers = [this] { return !daemon_.running() || client({"ping"}).wait() == 0; };
     return eventually(answers, within) && daemon_.running();
   }

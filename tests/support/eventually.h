@@ -11,10 +11,11 @@ namespace mauve::test {
 /// reach its boundary, also on a machine that stands still meanwhile.
 inline constexpr std::chrono::seconds kPatience{20};
 
-/// True as soon as `condition()` is; false when it was not within `limit`.
+/// True as soon as `condition()` is; false when it was not within `limit`. A disk may stand still
+/// for 10 s beside a build, and a start is confirmed after 10 s.
 template <typename Condition>
 [[nodiscard]] bool eventually(Condition condition,
-                              std::chrono::milliseconds limit = std::chrono::seconds(20)) {
+                              std::chrono::milliseconds limit = std::chrono::minutes(1)) {
   const auto until = std::chrono::steady_clock::now() + limit;
   while (!condition()) {
     if (std::chrono::steady_clock::now() > until) {
