@@ -139,6 +139,17 @@ struct WithMotor : Architecture {
   Status on_configure() override { return left.shell().out.connect(motor.interface().drive); }
 };
 
+template <Converter Convert>
+Change to_new_motor(const WithMotor& architecture) {
+  Edit edit;
+  edit.component = "motor";
+  edit.resource = architecture.motor.type();
+  edit.resource->core = CoreType::of<NewMotor<Convert>>("new");
+  Change change;
+  change.edits.push_back(std::move(edit));
+  return change;
+}
+
 /// It is exchanged at a barrier, so nothing of it came into force.
 template <Converter Convert>
 void expect_resource_as_it_was(Errc why) {
@@ -147,14 +158,8 @@ void expect_resource_as_it_was(Errc why) {
   Deployer deployer(architecture);
   ASSERT_TRUE(deployer.deploy());
   ASSERT_TRUE(runs_on(deployer, "left"));
-  Edit edit;
-  edit.component = "motor";
-  edit.resource = architecture.motor.type();
-  edit.resource->core = CoreType::of<NewMotor<Convert>>("new");
-  Change change;
-  change.edits.push_back(std::move(edit));
 
-  const auto result = deployer.apply(change);
+  const auto result = deployer.apply(to_new_motor<Convert>(architecture));
 
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, why) << to_string(result.error());
@@ -170,6 +175,30 @@ TEST(ResourceConverters, ThatCrashLeaveTheirResourceAsItWas) {
 
 TEST(ResourceConverters, ThatRunForEverLeaveTheirResourceAsItWas) {
   expect_resource_as_it_was<spin>(Errc::timed_out);
+}
+
+void to_millimetres(const PositionV1& old, PositionV2& now) noexcept { ramp::convert(old, now); }
+
+TEST(ResourceConverters, AreInTheReceiptBesideTheStateThatARollbackCannotBringBack) {
+  WithMotor architecture;
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  deployer.run_for(50ms);
+  Change change = to_new_motor<to_millimetres>(architecture);
+  change.probation = Probation{};
+
+  const Result<Receipt> done = deployer.apply(change);
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  ASSERT_FALSE(done->components.empty());
+  EXPECT_EQ(done->components[0].name, "motor");
+  EXPECT_EQ(done->components[0].converted, "ramp_position/1 -> ramp_position/2");
+  const std::vector<std::string> notes = {
+      "motor: a rollback continues with the state from before the change (ramp_position/1): its "
+      "core has no converter from ramp_position/2, so its outputs may jump"};
+  EXPECT_EQ(done->notes, notes);
+  ASSERT_EQ(deployer.probations().size(), 1u);
+  EXPECT_EQ(deployer.probations()[0].notes, notes) << "which undo says";
 }
 
 /// One that writes its safe values into a resource which crashes at them.

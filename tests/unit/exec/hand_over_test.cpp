@@ -239,6 +239,41 @@ TEST_F(HandOver, SaysBeforeAndAfterAConversionThatARollbackContinuesWithTheEarli
   EXPECT_EQ(position(), 21.0) << "it jumps";
 }
 
+/// A rollback brings back the core from before both changes, not that from before the second.
+TEST_F(HandOver, SaysOfJoinedChangesThatTheirRollbackContinuesWithTheEarliestState) {
+  ASSERT_TRUE(swap<ramp::Lone<ramp::PositionV1>>());
+  ASSERT_TRUE(deployer.apply(to_second()));
+  Change again = to_second();
+  again.edits[0].core = CoreType::of<ramp::Third>("test/third");
+
+  const Result<Receipt> done = deployer.apply(again);
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  const std::string note =
+      "control: a rollback continues with the state from before the change (ramp_position/1): its "
+      "core has no converter from ramp_position/3, so its outputs may jump";
+  ASSERT_FALSE(done->notes.empty());
+  EXPECT_EQ(done->notes[0], note);
+  ASSERT_EQ(deployer.probations().size(), 1u);
+  EXPECT_EQ(deployer.probations()[0].notes, std::vector<std::string>{note});
+}
+
+TEST_F(HandOver, SaysNothingOfJoinedChangesOfWhichTheSecondConvertsTheStateBack) {
+  ASSERT_TRUE(swap<ramp::Lone<ramp::PositionV1>>());
+  ASSERT_TRUE(deployer.apply(to_second()));
+  Change back = to_second();
+  back.edits[0].core = CoreType::of<ramp::First>("test/first");
+
+  const Result<Receipt> done = deployer.apply(back);
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  for (const std::string& note : done->notes) {
+    EXPECT_EQ(note.find("its core has no converter"), std::string::npos) << note;
+  }
+  ASSERT_EQ(deployer.probations().size(), 1u);
+  EXPECT_TRUE(deployer.probations()[0].notes.empty());
+}
+
 TEST_F(HandOver, SaysNothingOfARollbackThatConvertsTheStateBack) {
   const Result<Receipt> done = deployer.apply(to_second());
 
