@@ -9,7 +9,9 @@ extern "C" {
 
 namespace mauve::rt {
 
-MAUVE_RUNS_AT_A_SWAP void touch_swap_code() {
+/// The first function of the section, at the beginning of a page. All of the code is on this page,
+/// so the CPU has translated its address when the swap begins.
+[[gnu::aligned(4096)]] MAUVE_RUNS_AT_A_SWAP void touch_swap_code() {
   constexpr std::ptrdiff_t kLine = 64;
   const std::byte* const end = __stop_mauve_swap_code;
   for (const std::byte* at = __start_mauve_swap_code; at < end; at += kLine) {
