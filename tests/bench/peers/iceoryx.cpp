@@ -5,6 +5,7 @@
 
 #include "bench/peers/peer.h"
 
+#include <iceoryx_hoofs/log/logmanager.hpp>
 #include <iceoryx_posh/iceoryx_posh_config.hpp>
 #include <iceoryx_posh/internal/roudi/roudi.hpp>
 #include <iceoryx_posh/popo/untyped_publisher.hpp>
@@ -16,6 +17,7 @@ namespace bench::peers {
 namespace {
 
 iox::RouDiConfig_t some_memory() {
+  iox::log::LogManager::GetLogManager().SetDefaultLogLevel(iox::log::LogLevel::kWarn);
   iox::mepoo::MePooConfig pools;
   for (const std::uint32_t size : {1024U, 16U * 1024, 128U * 1024}) pools.addMemPool({size, 16});
   iox::RouDiConfig_t config;
