@@ -9,6 +9,7 @@
 #include "base/fail_point.h"
 #include "exec/commit/commit.h"
 #include "exec/swap/bystanders.h"
+#include "exec/system/books.h"
 #include "rt/thread/deadline.h"
 
 #include <mauve/host/receipt.h>
@@ -59,7 +60,7 @@ Status Barrier::check(const PreparedChange::Content& content) {
     auto plan = plan_transfer(*replacement.from, *replacement.into, replacement.state,
                               content.probation.has_value());
     if (!plan) return plan.error();
-    replacements_.push_back({replacement.from, replacement.into, *plan});
+    replacements_.push_back({replacement.from, replacement.into, replacement.state, *plan});
   }
   for (const ComponentBase* component : bystanders_of(system_, content)) {
     Deployed* const deployed = system_.find(component->name());
@@ -228,7 +229,9 @@ void Barrier::report(Receipt& receipt) const {
         {one.deployed->component->name(), Duration{0}, missed - one.missed_before, 0});
   }
   for (const Replacement& replacement : replacements_) {
-    receipt.components.push_back({replacement.into->name(), Duration{0}, 0, replacement.bytes});
+    MemberReceipt row{replacement.into->name(), Duration{0}, 0, replacement.bytes};
+    say_replaced(*replacement.from, *replacement.into, replacement.state, row);
+    receipt.components.push_back(std::move(row));
   }
 }
 

@@ -67,6 +67,7 @@ class Barrier {
   struct Replacement {
     ResourceBase* from;
     ResourceBase* into;
+    StatePolicy state;
     StateTransfer plan;
     std::size_t bytes = 0;
   };

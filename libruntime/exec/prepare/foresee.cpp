@@ -55,7 +55,14 @@ Receipt foresee(const System& system, const PreparedChange::Content& content) {
     receipt.components.push_back(row_of(resource.resource->name(), *resource.base.core,
                                         *resource.parts.core, resource.state));
   }
-  if (content.barrier) add_waits(*content.barrier, receipt);
+  if (content.barrier) {
+    for (const auto& one : content.barrier->replacements) {
+      MemberReceipt row{one.into->name(), Duration{0}, 0, 0};
+      say_replaced(*one.from, *one.into, one.state, row);
+      receipt.components.push_back(std::move(row));
+    }
+    add_waits(*content.barrier, receipt);
+  }
   receipt.warnings = content.warnings;
   receipt.notes = notes_of(system, content);
   return receipt;

@@ -136,6 +136,10 @@ void note_one_ways(const System& system, const Content& change, std::vector<std:
     if (one.parts.core == nullptr) continue;
     note_one_way(one.resource->name(), *one.parts.core, *one.base.core, one.state, notes);
   }
+  if (!change.barrier) return;
+  for (const auto& one : change.barrier->replacements) {
+    note_replaced(*one.from, *one.into, one.state, notes);
+  }
 }
 
 std::string in_words(const std::vector<std::string>& names) {

@@ -191,6 +191,10 @@ OpenProbation ProbationPeriod::look() const {
     if (one.parts.core == nullptr) continue;
     note_one_way(open.components.back(), *one.parts.core, *one.base.core, one.state, open.notes);
   }
+  if (!content_->barrier) return open;
+  for (const auto& one : content_->barrier->replacements) {
+    note_replaced(*one.from, *one.into, one.state, open.notes);
+  }
   return open;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "model/element/hand_over.h"
+#include "model/element/state_transfer.h"
 
 #include <mauve/host/architecture.h>
 #include <mauve/host/change.h>
@@ -67,6 +68,26 @@ void note_one_way(const std::string& at, const CoreBase& now, const CoreBase& be
   notes.push_back(at + ": a rollback continues with the state from before the change (" +
                   before.state()->type().name + "): its core has no converter from " +
                   now.state()->type().name + ", so its outputs may jump");
+}
+
+void note_replaced(const ResourceBase& from, const ResourceBase& into, StatePolicy policy,
+                   std::vector<std::string>& notes) {
+  const auto plan = plan_transfer(from, into, policy, true);
+  if (!plan || (plan->hand_over.from == nullptr && plan->from == nullptr)) return;
+  notes.push_back(from.name() +
+                  ": a rollback brings the replaced resource back with its data from before the "
+                  "change, so outputs may jump");
+}
+
+void say_replaced(const ResourceBase& from, const ResourceBase& into, StatePolicy policy,
+                  MemberReceipt& row) {
+  say_states(from.core(), into.core(), policy, row);
+  const auto plan = plan_transfer(from, into, policy, true);
+  if (!plan || plan->from == nullptr) return;
+  const DataType& old = plan->from->data();
+  if (!same_type(old, plan->into->data())) {
+    row.converted = old.name + " -> " + plan->into->data().name;
+  }
 }
 
 void exchange_fallbacks(Architecture& architecture, std::vector<NewFallback>& fallbacks) {

@@ -15,6 +15,7 @@
 namespace mauve {
 class Architecture;
 class CoreBase;
+class ResourceBase;
 class Retired;
 struct Bundle;
 struct MemberReceipt;
@@ -44,6 +45,15 @@ void note_unexamined(const std::string& at, const CoreBase& from, const CoreBase
 /// converter from it, so it continues with the state that it had.
 void note_one_way(const std::string& at, const CoreBase& now, const CoreBase& before,
                   StatePolicy policy, std::vector<std::string>& notes);
+
+/// Adds a note when a resource that is replaced hands its data over: its rollback continues with
+/// the data that the old resource keeps.
+void note_replaced(const ResourceBase& from, const ResourceBase& into, StatePolicy policy,
+                   std::vector<std::string>& notes);
+
+/// Enters the data that a replaced resource converts, drops or hands over into the receipt.
+void say_replaced(const ResourceBase& from, const ResourceBase& into, StatePolicy policy,
+                  MemberReceipt& row);
 
 /// Exchanges the fallback cores of components with these.
 void exchange_fallbacks(Architecture& architecture, std::vector<NewFallback>& fallbacks);

@@ -179,24 +179,33 @@ TEST(ResourceConverters, ThatRunForEverLeaveTheirResourceAsItWas) {
 
 void to_millimetres(const PositionV1& old, PositionV2& now) noexcept { ramp::convert(old, now); }
 
-TEST(ResourceConverters, AreInTheReceiptBesideTheStateThatARollbackCannotBringBack) {
+TEST(ResourceConverters, AreInTheReceiptBesideTheDataThatARollbackBringsBack) {
   WithMotor architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
   deployer.run_for(50ms);
   Change change = to_new_motor<to_millimetres>(architecture);
   change.probation = Probation{};
+  const std::vector<std::string> notes = {
+      "motor: a rollback brings the replaced resource back with its data from before the change, "
+      "so outputs may jump"};
+  const auto converted = [](const Receipt& receipt) {
+    for (const MemberReceipt& row : receipt.components) {
+      if (row.name == "motor") return row.converted;
+    }
+    return std::string("no row");
+  };
 
-  const Result<Receipt> done = deployer.apply(change);
+  auto prepared = deployer.prepare(change);
+  ASSERT_TRUE(prepared) << to_string(prepared.error());
+  EXPECT_EQ(deployer.foresee(*prepared).notes, notes);
+  EXPECT_EQ(converted(deployer.foresee(*prepared)), "ramp_position/1 -> ramp_position/2");
+  Retired retired;
+  const Result<Receipt> done = deployer.commit(*prepared, retired);
 
   ASSERT_TRUE(done) << to_string(done.error());
-  ASSERT_FALSE(done->components.empty());
-  EXPECT_EQ(done->components[0].name, "motor");
-  EXPECT_EQ(done->components[0].converted, "ramp_position/1 -> ramp_position/2");
-  const std::vector<std::string> notes = {
-      "motor: a rollback continues with the state from before the change (ramp_position/1): its "
-      "core has no converter from ramp_position/2, so its outputs may jump"};
   EXPECT_EQ(done->notes, notes);
+  EXPECT_EQ(converted(*done), "ramp_position/1 -> ramp_position/2");
   ASSERT_EQ(deployer.probations().size(), 1u);
   EXPECT_EQ(deployer.probations()[0].notes, notes) << "which undo says";
 }
