@@ -252,7 +252,7 @@ Member Commit::forth(std::size_t index, Deployed& deployed) {
 void Commit::begin_rollback(const PreparedMember& change, Deployed& deployed, TaskUpdate& next) {
   Origin origin = origin_of(change, deployed.state() == ComponentState::running);
   const Origin* const before = heritage_.origin_of(*change.component);
-  if (before != nullptr) origin = further_back(*before, origin);
+  if (before != nullptr) origin = further_back(*before, origin, change);
   next.back = make_rollback(change, origin);
   next.rollback = rollback_.get();
   lead_by(*next.back);

@@ -4,6 +4,7 @@
 #include "base/thread_role.h"
 
 #include <algorithm>
+#include <initializer_list>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "exec/swap/bystanders.h"
 #include "exec/swap/rewired.h"
 #include "exec/system/books.h"
+#include "model/element/hand_over.h"
 
 #include <mauve/fsm.h>
 #include <mauve/host/resource.h>
@@ -76,15 +78,14 @@ std::vector<std::shared_ptr<Configurable>> elements_of(const Bundle& bundle) {
   return {bundle.shell, bundle.core, bundle.fsm};
 }
 
-/// Those of `between` that are in neither of the others.
-void retire_between(const Bundle& between, const Bundle& before, const Bundle& now,
+/// Retires the elements of `between` that none of the others has.
+void retire_between(const Bundle& between, std::initializer_list<const Bundle*> others,
                     Retired& retired) {
-  const auto kept = elements_of(before);
-  const auto in_force = elements_of(now);
   for (auto& element : elements_of(between)) {
-    if (find(kept, element.get()) == nullptr && find(in_force, element.get()) == nullptr) {
-      retired.add(std::move(element));
-    }
+    const bool needed = std::any_of(others.begin(), others.end(), [&](const Bundle* other) {
+      return other != nullptr && find(elements_of(*other), element.get()) != nullptr;
+    });
+    if (!needed) retired.add(std::move(element));
   }
 }
 
@@ -214,8 +215,19 @@ bool Heritage::has(const Rollback& before) const {
   return std::find(rollbacks_.begin(), rollbacks_.end(), &before) != rollbacks_.end();
 }
 
-Origin further_back(const Origin& before, const Origin& now) {
+Origin further_back(const Origin& before, const Origin& now, const PreparedMember& change) {
   Origin origin = before;
+  if (before.state != StatePolicy::drop) {
+    const auto gives = [&](const Bundle& from) {
+      const auto plan = plan_hand_over(*from.core, *before.bundle->core, StatePolicy::keep);
+      return plan && plan->from != nullptr;
+    };
+    if (now.state != StatePolicy::drop && gives(*change.next)) {
+      origin.state_kept = nullptr;
+    } else if (gives(*now.bundle)) {
+      origin.state_kept = now.bundle;
+    }
+  }
   if (before.mode == Mode::keep) {
     origin.mode = now.mode;
   } else if (now.mode != Mode::keep) {
@@ -233,7 +245,8 @@ void adopt(Content& before, Content& heir, const std::vector<MemberRollback>& me
     const auto index = static_cast<std::size_t>(at - heir.members.begin());
     PreparedMember& newer = *at;
     if (!members[index].in_force) newer.next = older.next;
-    retire_between(*older.next, *older.base, *newer.next, retired);
+    const Bundle* const kept = members[index].origin.state_kept.get();
+    retire_between(*older.next, {older.base.get(), newer.next.get(), kept}, retired);
     newer.base = older.base;
     newer.part = older.part;
     newer.owner = std::move(older.owner);
@@ -244,6 +257,29 @@ void adopt(Content& before, Content& heir, const std::vector<MemberRollback>& me
   put_before(heir.new_resources, before.new_resources);
   put_before(heir.leaving_resources, before.leaving_resources);
   put_before(heir.left_resources, before.left_resources);
+}
+
+void retire_kept(std::vector<MemberRollback>& members, const Content& change, Retired& retired) {
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    const auto kept = std::exchange(members[i].origin.state_kept, nullptr);
+    const PreparedMember& member = change.members[i];
+    if (kept != nullptr) retire_between(*kept, {member.base.get(), member.next.get()}, retired);
+  }
+}
+
+void retire_kept(std::vector<MemberRollback>& members, const Content& change, const Content& heir,
+                 const std::vector<MemberRollback>& heirs, Retired& retired) {
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    const auto kept = std::exchange(members[i].origin.state_kept, nullptr);
+    if (kept == nullptr) continue;
+    const PreparedMember& older = change.members[i];
+    const auto at = std::find_if(heir.members.begin(), heir.members.end(),
+                                 [&](const auto& one) { return one.component == older.component; });
+    const auto index = static_cast<std::size_t>(at - heir.members.begin());
+    const Bundle* const still = heirs[index].origin.state_kept.get();
+    if (kept.get() == still) continue;
+    retire_between(*kept, {older.next.get(), at->base.get(), at->next.get(), still}, retired);
+  }
 }
 
 std::vector<std::string> notes_of(const System& system, const Content& change) {

@@ -53,14 +53,25 @@ class Heritage {
   std::vector<std::uint64_t> changes_;
 };
 
-/// The origin of a rollback over both changes.
-[[nodiscard]] Origin further_back(const Origin& before, const Origin& now);
+/// The origin of a rollback over both changes: `now` is that of `change` alone.
+[[nodiscard]] Origin further_back(const Origin& before, const Origin& now,
+                                  const PreparedMember& change);
 
 /// `heir`, which joined the change `before` and is in force, becomes the change from before both to
 /// now. Elements of `before` that are needed neither now nor on the rollback go to `retired`.
 /// `members`: which of those of `heir` are in force.
 void adopt(PreparedChange::Content& before, PreparedChange::Content& heir,
            const std::vector<MemberRollback>& members, Retired& retired);
+
+/// Retires the cores in between that kept a state for the rollback of these members, which is over.
+void retire_kept(std::vector<MemberRollback>& members, const PreparedChange::Content& change,
+                 Retired& retired);
+
+/// The same when `heir` has joined the change and is in force: its rollback, that of the members
+/// `heirs`, may need the state as well.
+void retire_kept(std::vector<MemberRollback>& members, const PreparedChange::Content& change,
+                 const PreparedChange::Content& heir, const std::vector<MemberRollback>& heirs,
+                 Retired& retired);
 
 /// In sentences: the states that are kept unexamined or that a rollback cannot bring back, and the
 /// open probations that the change joins or ends early. [control]

@@ -155,6 +155,7 @@ void ProbationPeriod::end(Outcome::Kind kind, const std::string& reason) {
     if (member.owner != nullptr) retired_.keep(member.owner);
   }
   report(kind, reason);
+  retire_kept(members_, *content_, retired_);
   retired_.merge(std::move(replaced_));
   withdraw();
   let_go_left();
@@ -163,6 +164,7 @@ void ProbationPeriod::end(Outcome::Kind kind, const std::string& reason) {
 void ProbationPeriod::pass_on_to(Content& heir, const std::vector<MemberRollback>& members) {
   static_cast<void>(rollback_->close());  // or a member that failed meanwhile does
   adopt(*content_, heir, members, retired_);
+  retire_kept(members_, *content_, heir, members, retired_);
   replaced_.forget();
   withdraw();
 }
@@ -244,6 +246,7 @@ void ProbationPeriod::go_back() {
   if (!rollback_->reported() || !all_are_back() || !may_let_go()) return;
   report(Outcome::Kind::rolled_back, culprit());
   install_old();
+  retire_kept(members_, *content_, retired_);
   if (!quiet_) system_.outcomes.back().generation = ++system_.generation;
   replaced_.forget();
   retired_.keep(content_);

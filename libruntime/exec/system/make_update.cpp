@@ -125,6 +125,11 @@ std::unique_ptr<TaskUpdate> make_rollback(const PreparedMember& member, const Or
   reversed.mode = origin.mode;
   reversed.restart = reversed.mode == Mode::run;
   auto back = make_update(reversed);
+  if (origin.state_kept != nullptr && back->hand_over.from == nullptr) {
+    const auto kept =
+        plan_hand_over(*origin.state_kept->core, *origin.bundle->core, StatePolicy::keep);
+    if (kept) back->hand_over = *kept;
+  }
   back->applied_as = AppliedAs::back;
   return back;
 }

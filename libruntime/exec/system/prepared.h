@@ -33,6 +33,9 @@ struct Origin {
   std::shared_ptr<const Bundle> bundle;
   Mode mode = Mode::keep;
   StatePolicy state = StatePolicy::keep;
+  /// The bundle of a change in between, whose core has the state that the core of `bundle` gave
+  /// away, since no later core gives it back. Null: the core in force does, or it was never given.
+  std::shared_ptr<const Bundle> state_kept = nullptr;
 };
 
 /// The change of one component, ready to be published.

@@ -258,6 +258,61 @@ TEST_F(HandOver, SaysOfJoinedChangesThatTheirRollbackContinuesWithTheEarliestSta
   EXPECT_EQ(deployer.probations()[0].notes, std::vector<std::string>{note});
 }
 
+/// The state changes its owner with the first change, and is converted by the second one. The core
+/// in between keeps it for the rollback.
+TEST_F(HandOver, GoesBackOverJoinedChangesToTheLastStateOfTheTypeBefore) {
+  ASSERT_TRUE(swap<ramp::Lone<ramp::PositionV1>>());
+  Change exchange = to_second();
+  exchange.edits[0].core = CoreType::of<ramp::Lone<ramp::PositionV1>>("test/again");
+  ASSERT_TRUE(deployer.apply(exchange));
+  deployer.run_for(50ms);
+  ASSERT_EQ(position(), 25.0);
+  ASSERT_TRUE(deployer.apply(to_second()));
+  deployer.run_for(50ms);
+  ASSERT_EQ(position(), 20.0);
+
+  ASSERT_TRUE(deployer.undo());
+  deployer.run_for(10ms);
+
+  EXPECT_EQ(position(), 26.0) << "one step after the state before the conversion";
+}
+
+/// From a core that converts nothing, through any changes on one probation, and back.
+TEST(JoinedHandOvers, GoBackToTheLastStateOfTheTypeBefore) {
+  std::mt19937 random(7);
+  for (int run = 0; run < 200; ++run) {
+    ramp::One<ramp::Lone<ramp::PositionV1>> architecture;
+    Deployer deployer(architecture, {.simulated = true});
+    ASSERT_TRUE(deployer.deploy());
+    deployer.run_for(100ms);
+    double last = ramp::read(architecture.position);
+    std::string story;
+    int type = 1;
+    for (auto changes = 1 + random() % 6; changes > 0; --changes) {
+      const auto kind = random() % (type == 1 ? 4 : 3);
+      Change change = to_second();
+      change.edits[0].core = kind == 0   ? CoreType::of<ramp::Second>("test/second")
+                             : kind == 1 ? CoreType::of<ramp::Third>("test/third")
+                             : kind == 2 ? CoreType::of<ramp::First>("test/first")
+                                         : CoreType::of<ramp::Lone<ramp::PositionV1>>("test/lone");
+      if (random() % 5 == 0) change.edits[0].state = StatePolicy::drop;
+      story += " " + change.edits[0].core->name;
+      const bool drops = change.edits[0].state == StatePolicy::drop;
+      if (drops) story += " (drop)";
+      ASSERT_TRUE(deployer.apply(change)) << story;
+      if (drops) break;  // the rollback continues with the state before it
+      type = kind == 0 ? 2 : kind == 1 ? 3 : 1;
+      deployer.run_for(10ms * (1 + static_cast<int>(random() % 3)));
+      if (type == 1) last = ramp::read(architecture.position);
+    }
+
+    ASSERT_TRUE(deployer.undo()) << story;
+    deployer.run_for(10ms);
+
+    EXPECT_EQ(ramp::read(architecture.position), last + 1) << story;
+  }
+}
+
 TEST_F(HandOver, SaysNothingOfJoinedChangesOfWhichTheSecondConvertsTheStateBack) {
   ASSERT_TRUE(swap<ramp::Lone<ramp::PositionV1>>());
   ASSERT_TRUE(deployer.apply(to_second()));
