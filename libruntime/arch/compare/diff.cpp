@@ -8,6 +8,7 @@
 #include "arch/parse/built_in.h"
 #include "arch/parse/parts.h"
 #include "mauve/host/architecture.h"
+#include "model/element/state_transfer.h"
 
 namespace mauve::arch {
 namespace {
@@ -95,9 +96,13 @@ class Differ {
       if (wanted_.find_component(now->name()) == nullptr) leaves("component", *now);
     }
     for (const std::string& name : replaced_) {
-      const CoreBase& core = running_.find_resource(name)->core();
+      const ResourceBase& now = *running_.find_resource(name);
+      const CoreBase& core = now.core();
       const bool has_state = core.state() != nullptr || core.slow_state() != nullptr;
-      if (has_state || used_.contains(name)) difference_.exchanged.push_back(name);
+      const auto values =
+          plan_transfer(now, *wanted_.find_resource(name), StatePolicy::keep, false);
+      if (has_state || (values && values->from != nullptr) || used_.contains(name))
+        difference_.exchanged.push_back(name);
     }
     take_out();
     return std::move(difference_);

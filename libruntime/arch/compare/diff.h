@@ -44,8 +44,8 @@ struct Line {
 struct Difference {
   Change change;
   std::vector<Line> lines;
-  /// Resources that get another contract under their name, while others use them or with a state.
-  /// Such a change needs Sync::barrier; compare() leaves it a cut.
+  /// Resources that get another contract under their name, while others use them, or with a state
+  /// or values that go on. Such a change needs Sync::barrier; compare() leaves it a cut.
   std::vector<std::string> exchanged;
 };
 
