@@ -6,6 +6,7 @@ BEFORE and AFTER are folders of packages; those of AFTER have the higher version
 Its process 1 is systemd; with --stand-in, or where systemd does not run, only the calls of systemctl are looked at.
 Without root the test is skipped.
 """
+import json
 import pathlib
 import re
 import sys
@@ -23,6 +24,13 @@ dpkg-deb --fsys-tarfile /opt/mauve-test/before/mauve_*.deb |
   sed -E 's/^#(\\[|[A-Z][A-Za-z]+=)/\\1/' >{DROP_INS}/capabilities.conf
 """
 FILE = "/etc/mauve/architecture.json"
+SOCKET = "/run/mauve/mauved.sock"
+ROLES = {"mauve-view": "viewer", "mauve": "operator", "mauve-admin": "admin"}
+
+
+def member(group):
+    """Runs the command that follows as a user who is in this group only."""
+    return f"env MAUVE_SOCKET={SOCKET} setpriv --reuid=nobody --regid=nogroup --groups={group}"
 
 
 def check(true, what, shown=""):
@@ -83,9 +91,25 @@ class Test:
         equal(self.state(), "active", "the service is")
         own.shell("mauvectl --wait 20s status")
         equal(own.shell("stat --format '%U %a' /var/lib/mauve /run/mauve"), "mauve 750\nmauve 750", "directories")
-        looks = "env MAUVE_SOCKET=/run/mauve/mauved.sock setpriv --reuid=nobody --regid=mauve-view --clear-groups mauvectl"
-        own.shell(f"{looks} status")
-        check(own.run(*looks.split(), "set", "counter.core.step=9").returncode == 5, "mauve-view may look only")
+        self.roles()
+        refused = own.run(*member("mauve-view").split(), "mauvectl", "set", "counter.core.step=9")
+        check(refused.returncode == 5, "mauve-view may look only", refused.stdout)
+
+    def roles(self):
+        """A user in one of the groups opens the socket and gets the role; a user in none of them cannot open it."""
+        for group, role in ROLES.items():
+            clients = json.loads(self.own.shell(f"{member(group)} mauvectl --wait 20s list clients --json"))
+            equal([client["role"] for client in clients["items"] if client["you"]], [role], f"roles of a user in {group}")
+        refused = self.own.run(*member("nogroup").split(), "mauvectl", "status")
+        check(refused.returncode == 5 and "socket_not_permitted" in refused.stdout,
+              "a user in none of the groups may not open the socket", refused.stdout)
+
+    def roles_without_a_service(self):
+        """As the unit runs mauved, but without real time."""
+        self.own.shell(f"env MAUVE_SOCKET={SOCKET} setpriv --reuid=mauve --regid=mauve --clear-groups"
+                       f" mauved {FILE} --realtime off --guardian off >/dev/null 2>&1 & echo $! >/run/mauved.pid")
+        self.roles()
+        self.own.shell("kill $(cat /run/mauved.pid); while test -e /run/mauve/mauved.sock; do sleep 0.1; done")
 
     def changed(self, value):
         self.own.shell(f"mauvectl set counter.core.step={value} --probation off")
@@ -151,6 +175,7 @@ class Test:
     def with_the_stand_in(self):
         self.installed()
         self.called("daemon-reload", "start mauved.service")
+        self.roles_without_a_service()
         self.own.shell(f"echo '// edited' >>{FILE}; mkdir /var/lib/mauve && chown mauve:mauve /var/lib/mauve")
         self.install("after")
         self.called("daemon-reload", "is-active mauved.service", "restart mauve-guardian.service mauved.service")
