@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "cli/client.h"
 
+#include <grp.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -32,7 +34,7 @@ Fault cannot_connect(const std::string& path, const error_code& error) {
   if (error == asio::error::no_permission || error == asio::error::access_denied) {
     return fault_of(refuse({Errc::not_permitted, "socket_not_permitted"}, path,
                            "not permitted to open the socket of mauved",
-                           "ask to be added to the group 'mauve', then log in again"));
+                           how_to_be_permitted(path)));
   }
   std::string message = "cannot connect to mauved: " + error.message();
   if (error == error_code(ENOENT, boost::system::system_category())) {
@@ -50,6 +52,18 @@ bool speaks_our_version(const Json& greeting) {
 }
 
 }  // namespace
+
+std::string how_to_be_permitted(const std::string& path) {
+  struct stat its {};
+  const bool found_it = stat(path.c_str(), &its) == 0;
+  if (!found_it || (its.st_gid != getegid() && group_member(its.st_gid) == 0)) {
+    return "ask to be added to the group 'mauve', then log in again";
+  }
+  const group* found = getgrgid(its.st_gid);
+  return "this user is in the group '" +
+         (found != nullptr ? std::string(found->gr_name) : std::to_string(its.st_gid)) +
+         "' of the socket already, so its mode or its access list is wrong: getfacl " + path;
+}
 
 std::string how_to_reach(const std::string& path, const std::string& service) {
   if (path != service && (access(service.c_str(), F_OK) == 0 || errno == EACCES)) {

@@ -24,6 +24,10 @@ using protocol::Notification;
 [[nodiscard]] std::string how_to_reach(const std::string& path,
                                        const std::string& service = protocol::kServiceSocket);
 
+/// The hint of a client that may not open the socket `path`: the group that it lacks, or the
+/// command that shows the access list when it is in the group of the socket already.
+[[nodiscard]] std::string how_to_be_permitted(const std::string& path);
+
 class Client {
  public:
   Client(std::string socket_path, std::chrono::nanoseconds greeting_timeout);

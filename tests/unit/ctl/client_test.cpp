@@ -118,6 +118,14 @@ TEST(Client, NamesTheSocketOfTheServiceWhereThereIsOne) {
               testing::HasSubstr("systemctl start mauved"));
 }
 
+TEST(Client, NamesTheAccessListToAUserInTheGroupOfTheSocket) {
+  const test::TempDir place;
+  const std::string path = place.write("mauved.sock", "").string();
+
+  EXPECT_THAT(how_to_be_permitted(path), testing::HasSubstr("getfacl " + path));
+  EXPECT_THAT(how_to_be_permitted(place / "no.sock"), testing::HasSubstr("group 'mauve'"));
+}
+
 TEST(Client, SaysThatNobodyListens) {
   const std::string path = "/tmp/mauve_ctl_dead_" + std::to_string(getpid());
   {
