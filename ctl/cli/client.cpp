@@ -38,9 +38,9 @@ Fault cannot_connect(const std::string& path, const error_code& error) {
   }
   std::string message = "cannot connect to mauved: " + error.message();
   if (error == error_code(ENOENT, boost::system::system_category())) {
-    message = "mauved does not run: there is no socket";
+    message = "there is no socket at " + path + ", so no mauved answers there";
   } else if (error == asio::error::connection_refused) {
-    message = "mauved does not run: nobody listens on the socket";
+    message = "nobody listens on the socket " + path + ", so no mauved answers there";
   }
   return fault_of(protocol::kUnreachable, std::move(message), path, how_to_reach(path));
 }
@@ -71,8 +71,8 @@ std::string how_to_reach(const std::string& path, const std::string& service) {
            "service: export MAUVE_SOCKET=" +
            service;
   }
-  return "start it (systemctl start mauved, or mauved ARCHITECTURE.json), or choose another "
-         "--socket";
+  return "look at the service (systemctl status mauved, journalctl -u mauved), start it (systemctl "
+         "start mauved, or mauved ARCHITECTURE.json), or choose another --socket";
 }
 
 struct Client::Connection {

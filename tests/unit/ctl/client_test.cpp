@@ -104,6 +104,7 @@ TEST(Client, SaysThatThereIsNoSocket) {
   EXPECT_EQ(fault->name, "unreachable");
   EXPECT_EQ(fault->exit, 7);
   EXPECT_EQ(fault->where, "/nowhere/at/all.sock");
+  EXPECT_THAT(fault->message, testing::HasSubstr("no socket at /nowhere/at/all.sock"));
   EXPECT_FALSE(fault->hint.empty());
 }
 
@@ -114,6 +115,7 @@ TEST(Client, NamesTheSocketOfTheServiceWhereThereIsOne) {
   EXPECT_THAT(how_to_reach("/run/user/7/mauve/mauved.sock", service),
               testing::HasSubstr("export MAUVE_SOCKET=" + service));
   EXPECT_THAT(how_to_reach(service, service), testing::HasSubstr("systemctl start mauved"));
+  EXPECT_THAT(how_to_reach(service, service), testing::HasSubstr("journalctl -u mauved"));
   EXPECT_THAT(how_to_reach("/run/user/7/mauve/mauved.sock", place / "no.sock"),
               testing::HasSubstr("systemctl start mauved"));
 }
