@@ -50,6 +50,7 @@ Component component_of(const Json& json) {
   component.deadline = integer_in(json, "deadline_ns");
   component.budget = integer_in(json, "budget_ns");
   if (json.contains("change")) component.change = integer(json["change"]);
+  if (json.contains("scheduled_ns")) component.scheduled = integer(json["scheduled_ns"]);
   if (json.contains("bound_ns")) component.bound = integer(json["bound_ns"]);
   for (const Json& cpu : list_in(json, "cpus")) {
     if (const auto number = integer(cpu)) component.cpus.push_back(*number);

@@ -22,6 +22,7 @@ Json component_json(const TraceComponent& component) {
             {"offset_ns", component.offset},  {"deadline_ns", component.deadline},
             {"budget_ns", component.budget},  {"states", std::move(states)}};
   if (component.change) json["change"] = *component.change;
+  if (component.scheduled) json["scheduled_ns"] = *component.scheduled;
   if (component.bound) json["bound_ns"] = *component.bound;
   return json;
 }

@@ -34,7 +34,8 @@ struct TraceComponent {
   std::int64_t priority = 0;
   std::vector<std::int64_t> cpus;
   bool realtime = false;
-  std::int64_t period = 0;  ///< of its grid; zero: it has none
+  std::optional<std::int64_t> scheduled;  ///< since then it has this priority and these CPUs
+  std::int64_t period = 0;                ///< of its grid; zero: it has none
   std::int64_t offset = 0;
   std::int64_t deadline = 0;
   std::int64_t budget = 0;

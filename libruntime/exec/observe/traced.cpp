@@ -16,7 +16,7 @@
 namespace mauve::exec {
 namespace {
 
-TracedComponent look_at_component(const Deployed& deployed) {
+TracedComponent look_at_component(const Deployed& deployed, Instant t0) {
   const Bundle& bundle = *deployed.component->bundle();
   TracedComponent traced;
   traced.name = deployed.component->name();
@@ -25,6 +25,7 @@ TracedComponent look_at_component(const Deployed& deployed) {
   traced.change = deployed.shown;
   traced.priority = deployed.priority;
   traced.cpus = deployed.cpus;
+  traced.scheduled = deployed.scheduled - t0;
   traced.realtime = deployed.realtime;
   traced.period = bundle.fsm->grid();
   traced.offset = bundle.task.offset;
@@ -48,7 +49,7 @@ TracedSystem traced(System& system) {
   const auto bounds = responses(system);
   for (const Deployed& deployed : system.deployed) {
     if (deployed.component == nullptr || deployed.hidden) continue;
-    traced.components.push_back(look_at_component(deployed));
+    traced.components.push_back(look_at_component(deployed, system.t0));
     const auto bound = bounds.find(deployed.component->name());
     if (bound != bounds.end()) traced.components.back().bound = bound->second;
   }

@@ -38,6 +38,7 @@ void schedule(System& system, Deployed& deployed) {
   // Both were found possible when the change was prepared.
   static_cast<void>(system.runner->reschedule(*deployed.task, system.realtime ? task.priority : 0,
                                               deployed.cpus));
+  deployed.scheduled = system.runner->now();
   deployed.realtime = system.realtime && system.runner->is_fifo(*deployed.task, task.priority);
 }
 

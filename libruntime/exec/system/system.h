@@ -54,6 +54,7 @@ struct Deployed {
   std::shared_ptr<Task> task;
   std::vector<int> cpus;
   int priority = 0;
+  Instant scheduled = 0;  ///< since then its thread has this priority and these CPUs
   bool realtime = false;
   std::uint64_t lost_events = 0;  ///< reported so far
   std::uint64_t shown = 0;        ///< the change whose bundle the model shows; 0: the first

@@ -93,6 +93,7 @@ struct TracedComponent {
   std::uint64_t change = 0;   ///< the number of the change that made it so; 0: as it was deployed
   int priority = 0;           ///< SCHED_FIFO
   std::vector<int> cpus;      ///< empty: any
+  Instant scheduled = 0;      ///< since T0: from then on it has this priority and these CPUs
   bool realtime = false;      ///< the system really runs it so
   Duration period{0};         ///< of its grid
   Duration offset{0};         ///< as declared

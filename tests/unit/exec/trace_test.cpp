@@ -208,6 +208,24 @@ TEST_F(TraceOfARamp, SaysWhatItIsAbout) {
   EXPECT_EQ(traced.resources, (Lines{"position", "speed"}));
 }
 
+TEST_F(TraceOfARamp, SaysSinceWhenAComponentHasItsPriority) {
+  EXPECT_LE(deployer.traced().components[0].scheduled, 0) << "since its thread was started";
+  deployer.run_for(15ms);
+  ASSERT_TRUE(swap_to<ramp::Down>());
+  EXPECT_LE(deployer.traced().components[0].scheduled, 0) << "the swap left it as it was";
+
+  Edit edit{};
+  edit.component = "control";
+  edit.task = architecture.control.bundle()->task;
+  edit.task->priority = 33;
+  ASSERT_TRUE(deployer.apply(Change{{edit}}));
+
+  const Instant now = deployer.clock().now() - deployer.t0();
+  EXPECT_EQ(deployer.traced().components[0].priority, 33);
+  EXPECT_EQ(deployer.traced().components[0].scheduled, now);
+  EXPECT_GT(now, 0);
+}
+
 TEST_F(TraceOfARamp, WhatNobodyCollectsIsOverwrittenAndCounted) {
   deployer.run_for(20s);  // 2000 jobs of four records
 
