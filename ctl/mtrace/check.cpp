@@ -38,15 +38,19 @@ std::set<std::int64_t> barriers_of(const Trace& trace) {
   return numbers;
 }
 
-/// True when the header describes the bundle that the thread runs at the end of the trace. While
-/// [control] has not looked at the last change of the thread, the header describes an older one.
-bool header_is_of_the_end(const Trace& trace, const std::vector<const Record*>& records,
-                          const Component& component) {
+/// The record of the last change, or rollback, that the thread applied; null: there is none.
+const Record* last_applied(const Trace& trace, const std::vector<const Record*>& records) {
   const auto last = std::find_if(records.rbegin(), records.rend(), [&](const Record* record) {
     const std::string& as = trace.text(record->name);
     return record->event == Event::applied && (as == "change" || as == "back");
   });
-  return last == records.rend() || !component.change || (*last)->b == *component.change;
+  return last == records.rend() ? nullptr : *last;
+}
+
+/// True when the header describes the bundle that the thread runs at the end of the trace. While
+/// [control] has not looked at the last change of the thread, the header describes an older one.
+bool header_is_of_the_end(const Record* last, const Component& component) {
+  return last == nullptr || !component.change || last->b == *component.change;
 }
 
 Windows disturbed_windows(const Trace& trace) {
@@ -90,6 +94,13 @@ std::map<std::int64_t, std::vector<const SeenThread*>> by_processor(
   return processors;
 }
 
+void report_unknown_order(Findings& findings, const SeenThread& thread) {
+  if (thread.jobs.empty() || thread.jobs.front().instant() >= thread.scheduled) return;
+  findings.left_out("the order of " + thread.component->name + "'s jobs before " +
+                    instant_in_words(thread.scheduled) +
+                    ": the trace has only its later priority and CPU");
+}
+
 /// Goes through the jobs of a less urgent thread: did one begin while the other one was ready?
 class OrderCheck {
  public:
@@ -97,9 +108,11 @@ class OrderCheck {
       : findings_(findings), urgent_(urgent), disturbed_(disturbed) {}
 
   void look_at(const SeenThread& other) {
+    since_ = std::max(urgent_.scheduled, other.scheduled);
     std::size_t next = 0;  // the job of the urgent one that has not begun
     for (const SeenJob& job : other.jobs) {
       while (next < urgent_.jobs.size() && urgent_.jobs[next].start() <= job.start()) ++next;
+      if (job.instant() < since_) continue;
       const bool in_order = next > 0 && urgent_.jobs[next - 1].instant() == job.instant();
       if (in_order) ++findings_.checked.orders;
       if (next < urgent_.jobs.size()) compare(other, job, next);
@@ -116,6 +129,7 @@ class OrderCheck {
     // not seen.
     if (next == 0 && !urgent_.whole) return;
     if (next > 0) ready = std::max(ready, urgent_.jobs[next - 1].end);
+    if (ready < since_) return;
     if (waiting.excused || job.start() < ready + (together ? 0 : kWake)) return;
     if (disturbed_.touch(ready, waiting.start())) {
       return findings_.left_out("pairs of jobs in windows of disturbance, for their order");
@@ -133,6 +147,7 @@ class OrderCheck {
   Findings& findings_;
   const SeenThread& urgent_;
   const Windows& disturbed_;
+  std::int64_t since_ = 0;  // the trace has the priorities and the CPU of both
 };
 
 /// Jobs that took more than they may, or failed: the bounds of others do not count on them.
@@ -244,6 +259,7 @@ void check_order(Findings& findings, const std::vector<SeenThread>& threads,
                  const Windows& disturbed) {
   for (const auto& [cpu, all] : by_processor(threads)) {
     for (std::size_t i = 0; i < all.size(); ++i) {
+      if (all.size() > 1) report_unknown_order(findings, *all[i]);
       for (std::size_t k = i + 1; k < all.size(); ++k) {
         if (all[i]->component->priority == all[k]->component->priority) continue;
         OrderCheck(findings, *all[i], disturbed).look_at(*all[k]);
@@ -277,15 +293,22 @@ Verdict check(const Trace& trace) {
     const Component* component = trace.component(thread);
     const std::string& name = trace.text(thread);
     if (name == kControl || name == kProbe) continue;
+    const Record* last = last_applied(trace, records);
     if (component == nullptr) {
       findings.left_out("the grid, states and bound of " + name + ", which left before the end");
-    } else if (!header_is_of_the_end(trace, records, *component)) {
+    } else if (!header_is_of_the_end(last, *component)) {
       findings.left_out("the grid, states and bound of " + name +
                         ", whose last change the header does not show yet");
       component = nullptr;
     }
     ++findings.checked.components;
     seen.push_back(check_thread(findings, component, records, barriers));
+    // A header without the time is of an older mauved: any change may be that of the priority.
+    if (component != nullptr && component->scheduled) {
+      seen.back().scheduled = *component->scheduled;
+    } else if (last != nullptr) {
+      seen.back().scheduled = last->time;
+    }
   }
   const Windows disturbed = disturbed_windows(trace);
   check_changes(findings, threads);

@@ -2,6 +2,7 @@
 /// The data that the parts of a check share: their findings, and the excuses.
 #pragma once
 
+#include <limits>
 #include <map>
 #include <set>
 #include <string>
@@ -31,6 +32,8 @@ struct SeenThread {
   const Component* component = nullptr;
   std::vector<SeenJob> jobs;
   bool whole = false;  ///< from its start on
+  /// From then on it has the priority and the CPU of the header.
+  std::int64_t scheduled = std::numeric_limits<std::int64_t>::min();
 };
 
 class Findings {

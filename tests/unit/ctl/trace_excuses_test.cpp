@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // check-trace: what excuses a component, and what cannot be judged.
 #include <algorithm>
+#include <optional>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -92,6 +93,70 @@ TEST(TraceCheck, JudgesAReleaseByThePeriodThatItWasAnnouncedWith) {
   const Verdict announced = behind_two_changes(13 * kOneMs);
   EXPECT_TRUE(announced.holds()) << first_violation(announced);
   EXPECT_THAT(first_violation(behind_two_changes(14 * kOneMs)), HasSubstr("its start announced"));
+}
+
+/// A less urgent component whose priority rises at 25 ms: until then it may have to wait.
+struct Raised : Short {
+  explicit Raised(std::optional<std::int64_t> scheduled = 25 * kOneMs) {
+    Component monitor = trace.header.components[0];
+    monitor.name = "monitor";
+    monitor.priority = 50;
+    monitor.cpus = {1};
+    monitor.scheduled = scheduled;
+    trace.header.components[0].priority = 40;
+    trace.header.components[0].cpus = {1};
+    trace.header.components[0].scheduled = -kOneMs;
+    trace.header.components.push_back(monitor);
+  }
+  /// Both are released; `first` runs, then the other one.
+  Raised& both(std::int64_t release, std::string_view first) {
+    std::int64_t time = release + 5;
+    const std::string_view second = first == "control" ? "monitor" : "control";
+    for (const std::string_view thread : {first, second}) {
+      add(time, Event::release, {}, release, 0, thread);
+      add(time + kOneMs / 2, Event::wait, "pace", release + 10 * kOneMs, 0, thread);
+      time += kOneMs / 2;
+    }
+    return *this;
+  }
+};
+
+TEST(TraceCheck, DoesNotJudgeTheOrderOfJobsByAPriorityThatCameLater) {
+  const Verdict verdict = Raised()
+                              .both(0, "control")
+                              .both(10 * kOneMs, "control")
+                              .both(20 * kOneMs, "control")
+                              .both(30 * kOneMs, "monitor")
+                              .verdict();
+  EXPECT_TRUE(verdict.holds()) << first_violation(verdict);
+  EXPECT_EQ(verdict.checked.orders, 1U);
+  EXPECT_THAT(verdict.not_checked,
+              testing::Contains("the order of monitor's jobs before T0 + 0.025000000 s: the trace "
+                                "has only its later priority and CPU"));
+}
+
+TEST(TraceCheck, JudgesTheOrderOfJobsSinceTheLastChangeOfAPriority) {
+  const Verdict verdict = Raised()
+                              .both(0, "control")
+                              .both(10 * kOneMs, "control")
+                              .both(20 * kOneMs, "control")
+                              .both(30 * kOneMs, "control")
+                              .verdict();
+  ASSERT_EQ(verdict.found, 1U);
+  EXPECT_EQ(verdict.first->time, 30 * kOneMs + 5);
+  EXPECT_THAT(first_violation(verdict), HasSubstr("order: control (priority 40) began"));
+}
+
+/// An older mauved does not write it: the last change of the component may have been that of it.
+TEST(TraceCheck, TakesTheLastChangeForTheOneOfThePriorityWhereTheHeaderDoesNotSay) {
+  const auto changed_at_11 = [](std::string_view first) {
+    Raised trace(std::nullopt);
+    trace.both(0, "control");
+    trace.add(10 * kOneMs + 1, Event::applied, "change", 10 * kOneMs, 1, "monitor");
+    return trace.both(10 * kOneMs, "control").both(20 * kOneMs, first).verdict();
+  };
+  EXPECT_TRUE(changed_at_11("monitor").holds()) << first_violation(changed_at_11("monitor"));
+  EXPECT_EQ(changed_at_11("control").found, 1U);
 }
 
 TEST(TraceCheck, DoesNotJudgeResponsesInAWindowOfDisturbance) {
