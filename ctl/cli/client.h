@@ -24,8 +24,8 @@ using protocol::Notification;
 [[nodiscard]] std::string how_to_reach(const std::string& path,
                                        const std::string& service = protocol::kServiceSocket);
 
-/// The hint of a client that may not open the socket `path`: the group that it lacks, or the
-/// command that shows the access list when it is in the group of the socket already.
+/// The hint of a client that may not open the socket `path`. It names the group that the client
+/// lacks. To a client in that group it names the command that shows the access list of the socket.
 [[nodiscard]] std::string how_to_be_permitted(const std::string& path);
 
 class Client {

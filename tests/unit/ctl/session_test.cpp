@@ -58,7 +58,8 @@ TEST(Wait, WithoutItADaemonThatDoesNotAnswerIsAnErrorAtOnce) {
   EXPECT_EQ(run("/nowhere/mauve.sock", {"ping"}).exit, 7);
   const Outcome waited = run("/nowhere/mauve.sock", {"ping", "--wait", "1ms"});
   EXPECT_EQ(waited.exit, 7);
-  EXPECT_NE(waited.err.find("no mauved answers there; waited 1ms"), std::string::npos) << waited.err;
+  EXPECT_NE(waited.err.find("no mauved answers there; waited 1ms"), std::string::npos)
+      << waited.err;
   EXPECT_NE(waited.err.find("mauvectl explain unreachable"), std::string::npos) << waited.err;
 }
 
