@@ -26,8 +26,8 @@ enum class Cause : std::uint8_t {
   asked,        ///< no failure: a rollback was requested. The last cause.
 };
 
-/// The names of the causes, in their order: in traces, and of the entries in errors.def that
-/// `mauvectl explain` prints.
+/// The names of the causes, in their order: those of the entries in errors.def that `mauvectl
+/// explain` prints. Traces have threw, crashed and hung, which FaultReaction::fail() records.
 inline constexpr std::array<std::string_view, 7> kCauseWords{
     "threw", "implausible", "over_budget", "overruns", "crashed", "hung", "asked"};
 static_assert(kCauseWords.size() == static_cast<std::size_t>(Cause::asked) + 1);
