@@ -175,8 +175,8 @@ void TwoPhaseCommit::settle(Member& member) {
   member.settled = true;
 }
 
-/// Some member does not come to a boundary, or does not end its first job after it. Revokes the
-/// updates that no task has claimed.
+/// Some member does not come to a boundary, or met the update at a release and does not end the job
+/// of that release. Revokes the updates that no task has claimed.
 void TwoPhaseCommit::stop_waiting() {
   if (kind_ == Kind::order) {
     result_.state = SwapResult::State::waiting;

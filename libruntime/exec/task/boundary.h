@@ -33,8 +33,8 @@ class Boundary {
   [[nodiscard]] bool meet(Instant now);
   /// With `on_overrun` skip only the newest of the releases that passed runs; the grid is kept.
   void drop_missed(Instant now);
-  /// Answers the coordinator after the outputs of the first job with the new bundle, so that the
-  /// answer costs them nothing.
+  /// Answers the coordinator. An update that serve() took is answered at once. One that meet() took
+  /// is answered after the outputs of the job that was due, so that the answer costs them nothing.
   void acknowledge();
   /// The first call on a thread that replaces one abandoned in a converter: the update is in force.
   void finish_taking();
@@ -64,7 +64,7 @@ class Boundary {
 
   TaskContext& task_;
   FaultReaction& faults_;
-  TaskUpdate* unacknowledged_ = nullptr;  // applied, its first job not yet done
+  TaskUpdate* unacknowledged_ = nullptr;  // applied, not yet answered
   TaskUpdate* taking_ = nullptr;          // its converter runs
   rt::Fault hand_over_fault_;             // of the last converter
 };

@@ -71,7 +71,7 @@ struct TaskUpdate {
 
   enum class Progress : std::uint8_t {
     published,
-    done,        ///< in force, and the first job with it has ended
+    done,        ///< in force; if it was met at a release, the job of that release has ended
     given_back,  ///< missed its instant, or was superseded: the task never used it
   };
   /// The answer of the task; it outlives the update.
