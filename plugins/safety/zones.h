@@ -19,7 +19,7 @@ enum class Zone : std::uint8_t {
   stop,   ///< none; turning and reversing stay allowed
 };
 
-/// Metres.
+/// Distances in metres.
 struct Limits {
   double stop_distance = 1.0;
   double slow_distance = 3.0;
