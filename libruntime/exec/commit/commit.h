@@ -18,7 +18,8 @@
 
 namespace mauve::exec {
 
-/// After the decision a member applies its update in its present wait, or after its present job.
+/// A commit waits so long for its members. Each one applies its update in its present wait, or
+/// after its present job.
 inline constexpr Duration kLongestJob = 2s;
 
 /// A prepared change while it takes effect. It lives in System::under_way until no member is left

@@ -24,7 +24,7 @@ inline constexpr Instant kBeingTriggered = kNever - 2;
 /// No thread decides nearer to the instant than this: a member might be at its boundary already.
 inline constexpr Duration kDecisionMargin{50'000};
 
-/// Whether a change happens, and at which instant. The first change of the word decides for all.
+/// Whether a change happens, and at which instant. The first change of the state decides for all.
 class Decision {
  public:
   enum class State : std::uint32_t { prepared, committed, aborted };
