@@ -73,7 +73,7 @@ struct Unproven {
 /// The start of this run of mauved, and whether its architecture has proved itself: see
 /// recovery/unproven.h.
 struct Started {
-  std::uint64_t generation = 0;                      ///< that the run began with; 0: not begun
+  std::uint64_t generation = 0;  ///< that the run began with; 0: not begun, or nothing is kept
   std::chrono::steady_clock::time_point since = {};  ///< when its components had started
   unsigned crashes = 0;   ///< runs in a row before this one that crashed with this architecture
   bool long_ago = false;  ///< the run has lasted ten minutes; `running` on the disk says so
