@@ -74,7 +74,7 @@ TEST(FifoRefusal, NamesTheMissingCapabilityAndItsRemedy) {
   const Error user = rt::fifo_refusal({.priority = 40});
   EXPECT_EQ(user.code, Errc::not_permitted);
   EXPECT_TRUE(has(user.message, "SCHED_FIFO priority 40: CAP_SYS_NICE is missing"));
-  EXPECT_TRUE(has(user.hint, "rtprio 99"));
+  EXPECT_TRUE(has(user.hint, "`USER - rtprio 99` in /etc/security/limits.conf"));
   const Error root = rt::fifo_refusal({.priority = 40, .root = true, .group_runtime = 0});
   EXPECT_TRUE(has(root.message, "CAP_SYS_NICE is missing, although the user is root"));
   EXPECT_TRUE(has(root.hint, "CapabilityBoundingSet"));

@@ -13,7 +13,7 @@ Error refused_to_user(const FifoFacts& facts, const std::string& what) {
     return refuse({Errc::not_permitted, "realtime_not_permitted"}, "realtime",
                   "no permission for " + what + ": RLIMIT_RTPRIO is " +
                       std::to_string(facts.priority_limit) + ", and CAP_SYS_NICE is missing",
-                  "raise the limit: `@mauve - rtprio 99` in /etc/security/limits.conf, "
+                  "raise the limit: `USER - rtprio 99` in /etc/security/limits.conf, "
                   "LimitRTPRIO=99 in a unit; or lower task.priority; or grant CAP_SYS_NICE");
   }
   if (facts.root) {
@@ -26,7 +26,7 @@ Error refused_to_user(const FifoFacts& facts, const std::string& what) {
   }
   return refuse({Errc::not_permitted, "realtime_not_permitted"}, "realtime",
                 "no permission for " + what + ": CAP_SYS_NICE is missing, and RLIMIT_RTPRIO is 0",
-                "grant CAP_SYS_NICE, or a limit: `@mauve - rtprio 99` in "
+                "grant CAP_SYS_NICE, or a limit: `USER - rtprio 99` in "
                 "/etc/security/limits.conf, LimitRTPRIO=99 in a unit");
 }
 

@@ -48,7 +48,7 @@ Status lock_memory() {
           (limit.rlim_cur == RLIM_INFINITY ? std::string("unlimited")
                                            : std::to_string(limit.rlim_cur / 1024) + " KiB") +
           ")",
-      "grant CAP_IPC_LOCK, or a limit: `@mauve - memlock unlimited` in "
+      "grant CAP_IPC_LOCK, or a limit: `USER - memlock unlimited` in "
       "/etc/security/limits.conf, LimitMEMLOCK=infinity in a unit");
 }
 
