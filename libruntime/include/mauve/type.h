@@ -19,6 +19,25 @@
 ///     static constexpr std::string_view name = "vector2d/1";
 ///     ...
 ///
+/// A field has one of these types, shown with its JSON. `T` is one of them again:
+///
+/// | type of the field                 | JSON                             |
+/// |-----------------------------------|----------------------------------|
+/// | `bool`                            | `true`                           |
+/// | `std::int8_t` ... `std::int64_t`  | `-3`                             |
+/// | `std::uint8_t` ... `std::uint64_t`| `3`                              |
+/// | `float`, `double`                 | `0.5`, `"nan"`, `"inf"`, `"-inf"`|
+/// | `mauve::Duration`                 | `"10ms"`                         |
+/// | `mauve::Text<N>`                  | `"left"`                         |
+/// | `std::array<T, N>`                | `[1, 2, 3]`                      |
+/// | `mauve::Bounded<T, N>`            | `[1, 2]`                         |
+/// | a struct with `fields()`          | `{"x": 1, "y": 2}`               |
+///
+/// An unsigned number is at most 2^63 - 1, a text has at most N bytes, an array has N items, and a
+/// Bounded has at most N. Other types do not compile, such as an enumeration (write a
+/// `std::uint8_t`), `char`, a pointer, `double[3]` or `std::vector`. Properties may also hold a
+/// `std::string`, but a value with one has no fixed size, and no resource exchanges it.
+///
 /// A type that cannot be described field by field may have a name alone, without fields(): its
 /// author vouches that all builds of that revision lay it out alike. A type with neither counts
 /// as the same in code of one build only.
