@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -164,8 +165,9 @@ Windows windows_of_others(const std::vector<SeenThread>& threads) {
 
 class ResponseCheck {
  public:
-  ResponseCheck(Findings& findings, const Windows& disturbed, Windows others)
-      : findings_(findings), disturbed_(disturbed), others_(std::move(others)) {}
+  /// `since`: from then on the bounds are those of the header.
+  ResponseCheck(Findings& findings, const Windows& disturbed, Windows others, std::int64_t since)
+      : findings_(findings), disturbed_(disturbed), others_(std::move(others)), since_(since) {}
 
   void judge(const Component& component, const SeenJob& job) const {
     const std::int64_t response = job.end - job.instant();
@@ -181,6 +183,10 @@ class ResponseCheck {
       return findings_.left_out(
           "responses beyond the bound by less than the probe sees, on a machine that was "
           "disturbed");
+    }
+    if (beyond > 0 && job.instant() < since_) {
+      return findings_.left_out("responses beyond the bound before " + instant_in_words(since_) +
+                                ": the trace has only the later bound");
     }
     if (beyond > 0 && !findings_.trace().header.probed) {
       return findings_.left_out("responses beyond the bound, where no probe ran");
@@ -200,7 +206,15 @@ class ResponseCheck {
   Findings& findings_;
   const Windows& disturbed_;
   Windows others_;
+  std::int64_t since_;
 };
+
+/// The last time at which a component got its priority and CPU: each bound depends on those of all.
+std::int64_t last_scheduled(const std::vector<SeenThread>& threads) {
+  std::int64_t last = std::numeric_limits<std::int64_t>::min();
+  for (const SeenThread& thread : threads) last = std::max(last, thread.scheduled);
+  return last;
+}
 
 }  // namespace
 
@@ -270,7 +284,8 @@ void check_order(Findings& findings, const std::vector<SeenThread>& threads,
 
 void check_responses(Findings& findings, const std::vector<SeenThread>& threads,
                      const Windows& disturbed) {
-  const ResponseCheck check(findings, disturbed, windows_of_others(threads));
+  const ResponseCheck check(findings, disturbed, windows_of_others(threads),
+                            last_scheduled(threads));
   for (const SeenThread& thread : threads) {
     if (thread.component == nullptr) continue;
     if (!thread.component->bound) {

@@ -159,6 +159,25 @@ TEST(TraceCheck, TakesTheLastChangeForTheOneOfThePriorityWhereTheHeaderDoesNotSa
   EXPECT_EQ(changed_at_11("control").found, 1U);
 }
 
+/// A raised priority moves the bounds of all others, and the header has those of the end.
+TEST(TraceCheck, DoesNotJudgeResponsesByABoundThatCameWithALaterPriority) {
+  const auto responds_late_at = [](std::int64_t release) {
+    Short trace;
+    trace.trace.header.components[0].scheduled = 15 * kOneMs;
+    for (const std::int64_t one : {0 * kOneMs, 10 * kOneMs, 20 * kOneMs, 30 * kOneMs}) {
+      trace.job(one, one == release ? 3 * kOneMs : kOneMs);
+    }
+    return trace.verdict();
+  };
+  const Verdict before = responds_late_at(10 * kOneMs);
+  EXPECT_TRUE(before.holds()) << first_violation(before);
+  EXPECT_EQ(before.checked.responses, 3U);
+  EXPECT_THAT(before.not_checked,
+              testing::Contains("responses beyond the bound before T0 + 0.015000000 s: the trace "
+                                "has only the later bound"));
+  EXPECT_EQ(responds_late_at(20 * kOneMs).found, 1U);
+}
+
 TEST(TraceCheck, DoesNotJudgeResponsesInAWindowOfDisturbance) {
   const Verdict verdict = Short()
                               .job(0)
