@@ -39,7 +39,8 @@ void keep(Running& running, const Call& call, std::optional<Confirmation> mark, 
   if (call.confirms) {
     as = StateStore::As::confirmed;
   }
-  running.store->keep(std::move(about), described(running), std::move(line), std::move(then), as);
+  running.store->keep(std::move(about), described(running), std::move(line), std::move(then), as,
+                      running.deployer.generation(/*before_stops=*/true));
 }
 
 void remember_author(Running& running, const Call& call, std::uint64_t generation) {

@@ -260,7 +260,8 @@ void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
   }
   const auto now = about.number;
   if (now == running_->deployer.generation()) {
-    store.keep(std::move(about), described(*running_), std::move(line), {});
+    store.keep(std::move(about), described(*running_), std::move(line), {}, StateStore::As::marked,
+               now);
   } else {
     // A newer change came before this look: the architecture that runs is that of the newer
     // generation, which its own answer saves, and must not be saved as this one.

@@ -108,14 +108,14 @@ void StateStore::end() {
 }
 
 void StateStore::keep(Generation about, Value architecture, Json line,
-                      std::function<void(bool saved)> then, As as) {
+                      std::function<void(bool saved)> then, As as, std::uint64_t before_stops) {
   std::error_code unknown;
   about.folder = std::filesystem::current_path(unknown).string();
   // Before the lines of refused changes, of which any user can make many.
   disk_.post_urgent([this, about = std::move(about), architecture = std::move(architecture), as,
-                     line = std::move(line), then = std::move(then)]() mutable {
+                     before_stops, line = std::move(line), then = std::move(then)]() mutable {
     if (as == As::before) {
-      about.mark = mark_before(about.number);
+      about.mark = mark_before(about.number, before_stops);
     }
     bool saved = save(about, architecture) && save_cores();
     if (saved && as == As::confirmed) {
@@ -130,10 +130,11 @@ void StateStore::keep(Generation about, Value architecture, Json line,
 }
 
 /// [disk] The mark of the generation before this one. A generation that mauved made by itself, and
-/// that the health monitor has not saved yet, counts as unconfirmed.
-Confirmation StateStore::mark_before(std::uint64_t generation) const {
+/// that the health monitor has not saved yet, counts as unconfirmed. A stop of several stages makes
+/// several generations, of which the last one only is saved.
+Confirmation StateStore::mark_before(std::uint64_t generation, std::uint64_t before_stops) const {
   MAUVE_ON_THREAD(disk);
-  if (generation != newest_ && generation != newest_ + 1) {
+  if (generation < newest_ || (generation > newest_ + 1 && newest_ < before_stops)) {
     return Confirmation::unconfirmed;
   }
   const auto mark = generations_->mark_of(newest_).value_or(newest_mark_);

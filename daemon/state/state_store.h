@@ -60,9 +60,9 @@ class StateStore {
   enum class As : std::uint8_t { marked, confirmed, before };
 
   /// Saves a generation, adds `line` to the audit log with "saved", then calls `then` on [disk].
-  /// "saved" includes its mark. [any but rt]
+  /// "saved" includes its mark. Only stops made the generations after `before_stops`. [any but rt]
   void keep(Generation about, Value architecture, Json line, std::function<void(bool saved)> then,
-            As as = As::marked);
+            As as, std::uint64_t before_stops);
   /// Adds a line to the audit log, for which no thread waits. When too many are on their way, lines
   /// are lost and counted. [any but rt]
   void audit(const Json& line);
@@ -103,7 +103,8 @@ class StateStore {
   bool save(const Generation& about, const Value& architecture);
   bool save_cores();
   void end_row_of_crashes();
-  [[nodiscard]] Confirmation mark_before(std::uint64_t generation) const;
+  [[nodiscard]] Confirmation mark_before(std::uint64_t generation,
+                                         std::uint64_t before_stops) const;
   bool mark_now(std::uint64_t generation, Confirmation mark);
   void put_aside(const std::filesystem::path& folder);
   void read_quarantine();

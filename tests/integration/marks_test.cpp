@@ -184,47 +184,6 @@ TEST_F(Generations, ThatCrashAtOnceInALoopPushNobodyOut) {
   EXPECT_EQ(daemon.ask("config.history")["items"].size(), 2U) << "2 and the last start";
 }
 
-/// A stop proves nothing about what runs on.
-TEST_F(Generations, OfAStopAreWorthWhatWasStopped) {
-  TrialDaemon daemon(kTrial, options());
-  const auto in_the_file = exported(daemon);
-  const Json second = {{"components", {"second"}}};
-  ASSERT_EQ(daemon.ask("component.stop", second)["state"], "applied");
-  ASSERT_TRUE(eventually([&] { return newest(daemon)["command"] == "component.stop"; }));
-  EXPECT_EQ(newest(daemon)["mark"], "unconfirmed") << "it has just been started";
-
-  crash(daemon);
-  daemon.start();
-  EXPECT_EQ(exported(daemon), in_the_file);
-
-  ASSERT_EQ(daemon.ask("component.stop", second)["state"], "applied");
-  ASSERT_EQ(daemon.ask("change.confirm")["saved"], true) << "and with it what it came from";
-  const auto stopped = exported(daemon);
-  ASSERT_EQ(daemon.ask("component.start", second)["saved"], true);
-  EXPECT_EQ(newest(daemon)["mark"], "confirmed") << "so is a start of what is confirmed";
-  ASSERT_EQ(daemon.ask("component.stop", second)["state"], "applied");
-  ASSERT_TRUE(eventually([&] {
-    const auto last = newest(daemon);
-    return last["command"] == "component.stop" && last["mark"] == "confirmed";
-  }));
-
-  crash(daemon);
-  daemon.start();
-  EXPECT_EQ(exported(daemon), stopped);
-}
-
-TEST_F(Generations, OfAStopAreConfirmedWhenNothingFailed) {
-  TrialDaemon daemon(kTrial, options());
-  ASSERT_EQ(daemon.ask("component.stop", {{"components", {"second"}}})["state"], "applied");
-
-  EXPECT_TRUE(eventually(
-      [&] {
-        const auto last = newest(daemon);
-        return last["command"] == "component.stop" && last["mark"] == "confirmed";
-      },
-      std::chrono::seconds(60)));
-}
-
 TEST_F(Generations, ThatGoBackToAnUnconfirmedOneAreUnconfirmed) {
   TrialDaemon daemon(kTrial, options());
   const auto proved = exported(daemon);

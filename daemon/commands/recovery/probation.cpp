@@ -227,6 +227,12 @@ void begin_undo(Running& running, const CallPtr& call, const Tried& wanted) {
       });
 }
 
+/// Also when nothing else confirms it, such as a start in which a component failed.
+bool is_saved_unconfirmed(const Running& running) {
+  return running.store != nullptr &&
+         running.store->generations().mark_of(running.generation) == Confirmation::unconfirmed;
+}
+
 }  // namespace
 
 Result<std::optional<Probation>> probation_of(const Json& params) {
@@ -282,7 +288,8 @@ void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
   Json confirmed = on_probation(running);
   const auto done = running.deployer.confirm();
   const bool places = confirm_places(running);
-  if (const bool new_code = confirm_unproven(running); !done && !places && !new_code) {
+  const bool new_code = confirm_unproven(running);
+  if (!done && !places && !new_code && !is_saved_unconfirmed(running)) {
     return answer(running, *call, done.error());
   }
   call->confirms = true;  // a power cut must not take it back, so the answer waits for the disk

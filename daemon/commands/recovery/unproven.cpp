@@ -76,7 +76,9 @@ void look_at_unproven(Running& running) {
 
 void carry_unproven(Running& running, std::uint64_t generation) {
   MAUVE_ON_THREAD(control);
-  if (running.unproven.generation != 0 && running.unproven.generation + 1 == generation) {
+  const auto unproven = running.unproven.generation;
+  const bool only_stopped = unproven >= running.deployer.generation(/*before_stops=*/true);
+  if (unproven != 0 && (unproven + 1 == generation || only_stopped)) {
     running.unproven.generation = generation;
     running.unproven.replaces = 0;  // the copy is of another architecture
   }

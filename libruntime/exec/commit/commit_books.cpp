@@ -15,6 +15,16 @@
 #include <mauve/host/receipt.h>
 
 namespace mauve::exec {
+namespace {
+
+std::uint64_t make_generation(System& system, bool by_stop) {
+  if (by_stop && system.generation != system.stopped) system.before_stops = system.generation;
+  ++system.generation;
+  if (by_stop) system.stopped = system.generation;
+  return system.generation;
+}
+
+}  // namespace
 
 /// The member's thread has answered, so the model shows the bundle that it runs.
 void Commit::enter(std::size_t index) {
@@ -126,7 +136,7 @@ void Commit::conclude() {
     barrier_->end();
   }
   if (!whole && rollback_ != nullptr) return trigger_rollback();
-  receipt_.generation = content_->step ? system_.generation : ++system_.generation;
+  receipt_.generation = content_->step ? system_.generation : make_generation(system_, is_order());
   system_.newest = weak_from_this();
   system_.looks_at_newest = 0;
   change_membership();

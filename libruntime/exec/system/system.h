@@ -102,6 +102,8 @@ class System {
   std::vector<Outcome> outcomes;                             ///< not yet reported
   std::atomic<std::uint64_t> looks{0};  ///< calls of advance(); a stop detects by it that none come
   std::uint64_t generation = 0;
+  std::uint64_t stopped = 0;       ///< the newest generation that a stop made
+  std::uint64_t before_stops = 0;  ///< the one before it and before the stops right before it
   /// Rises whenever the model shows something else: a change, a rollback, a core that took over.
   std::atomic<std::uint64_t> revision{0};
   std::uint64_t changes = 0;  ///< numbers that changes got since deployment, see TaskUpdate::number

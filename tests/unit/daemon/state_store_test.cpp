@@ -42,10 +42,12 @@ class StateStoreTest : public testing::Test {
     ASSERT_TRUE(opened);
     store = std::move(*opened);
   }
-  bool keep(const Generation& about, const std::string& name) {
+  bool keep(const Generation& about, const std::string& name,
+            StateStore::As as = StateStore::As::marked, std::uint64_t before_stops = 0) {
     std::promise<bool> saved;
-    store->keep(about, named(name), {{"method", "param.set"}},
-                [&](bool done) { saved.set_value(done); });
+    store->keep(
+        about, named(name), {{"method", "param.set"}}, [&](bool done) { saved.set_value(done); },
+        as, before_stops);
     return saved.get_future().get();
   }
   [[nodiscard]] std::string audit() const { return TempDir::read(dir / "state" / "audit.log"); }
@@ -58,6 +60,18 @@ class StateStoreTest : public testing::Test {
   logging::Log log{logging::Level::debug};
   std::unique_ptr<StateStore> store;
 };
+
+TEST_F(StateStoreTest, GivesAStopOfSeveralStagesTheMarkOfTheSystemBeforeIt) {
+  store->begin(with_number(1), named("robot"));
+  store->mark(1, Confirmation::confirmed);
+  const auto stopped = [&](std::uint64_t number, std::uint64_t before_stops) {
+    EXPECT_TRUE(keep(with_number(number), "stopped", StateStore::As::before, before_stops));
+    return store->generations().mark_of(number);
+  };
+
+  EXPECT_EQ(stopped(4, 1), Confirmation::confirmed) << "the stop made 2, 3 and 4";
+  EXPECT_EQ(stopped(8, 6), Confirmation::unconfirmed) << "6 is not saved: nothing vouches for it";
+}
 
 TEST_F(StateStoreTest, ReportsADiskThatDoesNotAnswerAndItsReturnOnceEach) {
   DiskWatch watch;

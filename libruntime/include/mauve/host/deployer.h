@@ -57,9 +57,10 @@ class Deployer {
   /// on its behalf; the names of such components are returned.
   std::vector<std::string> shutdown(Duration bound = 2s);
 
-  [[nodiscard]] Instant t0() const;                ///< the common T0, monotonic
-  [[nodiscard]] const Clock& clock() const;        ///< of the releases
-  [[nodiscard]] std::uint64_t generation() const;  ///< in force
+  [[nodiscard]] Instant t0() const;          ///< the common T0, monotonic
+  [[nodiscard]] const Clock& clock() const;  ///< of the releases
+  /// In force, or the newest one that no stop made: a stop makes one in each of its stages.
+  [[nodiscard]] std::uint64_t generation(bool before_stops = false) const;
   /// True when every component runs with the policy it asked for.
   [[nodiscard]] bool realtime() const;
   /// The real-time rights that were missing under Realtime::prefer, and the deployer's own
