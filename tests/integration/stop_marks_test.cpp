@@ -103,7 +103,8 @@ TEST_F(Generations, OfAStopAfterAFailedStartAreConfirmedByHand) {
   EXPECT_EQ(daemon.component("first")["state"], "stopped") << daemon.errors();
 }
 
-/// The generation is worth what was stopped, and the probation decides on both.
+/// The generation of the stop has the mark of the one before it. When the probation ends, both
+/// get the same mark.
 TEST_F(Generations, OfAStopOfAllDuringAProbationAreConfirmedWithIt) {
   TrialDaemon daemon(kTrial, options());
   const Json tried = {{"values", {{"first.core.gain", 3.0}}}, {"confirm_within", "600s"}};
