@@ -205,7 +205,7 @@ void ProbationPeriod::keep_parked() {
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
     Task& task = *members_[i].deployed->task;
     TaskUpdate* const back = members_[i].back;
-    if (content_->members[i].part != Part::leaves || !task.mailbox().withdraw_rollback(*back))
+    if (content_->members[i].part != Part::leaves || !task.mailbox().claim_rollback(*back))
       continue;
     back->mode = Mode::park;
     task.mailbox().put_back(*back);
@@ -219,7 +219,7 @@ void ProbationPeriod::withdraw() {
   phase_ = Phase::withdrawing;
   for (MemberRollback& member : members_) {
     Task& task = *member.deployed->task;
-    if (task.mailbox().withdraw_rollback(*member.back)) member.withdrawn.reset(member.back);
+    if (task.mailbox().claim_rollback(*member.back)) member.withdrawn.reset(member.back);
     member.quiescent_after = task.mailbox().quiescent_count();
     system_.runner->wake(task);
   }

@@ -150,7 +150,7 @@ void withdraw_kept_out(System& system, Deployed& deployed) {
   if (!out) return;
   TaskUpdate* const standing = deployed.task->mailbox().standby();
   const bool there = standing != nullptr && standing->answer == standby.answer;
-  if (!there || !deployed.task->mailbox().withdraw_standby(*standing)) return;
+  if (!there || !deployed.task->mailbox().claim_standby(*standing)) return;
   deployed.withdrawn.push_back(
       {std::shared_ptr<TaskUpdate>(standing), deployed.task->mailbox().quiescent_count()});
   system.retired.keep(std::exchange(deployed.standby, {}).content);
@@ -171,7 +171,7 @@ void free_withdrawn(System& system, Deployed& deployed) {
 bool stand_by(const System& system, Task& task, std::unique_ptr<TaskUpdate> standby) {
   if (!task.mailbox().stand_by(*standby)) return false;
   TaskUpdate* const standing = standby.release();
-  if (!is_rolled_back(system) || !task.mailbox().withdraw_standby(*standing)) return true;
+  if (!is_rolled_back(system) || !task.mailbox().claim_standby(*standing)) return true;
   keep_for_abandoned(std::shared_ptr<TaskUpdate>(standing));  // its thread may be about to look
   return false;
 }

@@ -197,11 +197,11 @@ void TwoPhaseCommit::stop_waiting() {
                                                                     : SwapResult::State::partly;
 }
 
-/// If revoke() fails, the task has claimed the update: it runs it, will run it, or has returned it
+/// If claim() fails, the task has claimed the update: it runs it, will run it, or has returned it
 /// unused.
 void TwoPhaseCommit::stop_waiting(Member& member, bool committed) {
   stopped_waiting_ = true;
-  if (member.task->mailbox().revoke(*member.update)) {
+  if (member.task->mailbox().claim(*member.update)) {
     // An update that a thread may be about to read is kept for ever; the elements are not.
     member.update->bundle.reset();
     member.update->back.reset();

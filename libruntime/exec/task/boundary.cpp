@@ -47,13 +47,13 @@ bool Boundary::serve() {
   if (TaskUpdate* next = task_.mailbox.pending()) {
     if (next->decision->state() == Decision::State::aborted) {
       give_back(*next);
-    } else if (is_early(*next) && task_.mailbox.revoke(*next)) {
+    } else if (is_early(*next) && task_.mailbox.claim(*next)) {
       fetch(*next);
       if (!take_early(*next, task_.meter.now())) return false;
     }
   }
   if (TaskUpdate* back = task_.mailbox.back()) {
-    if (is_early(*back) && task_.mailbox.withdraw_rollback(*back)) {
+    if (is_early(*back) && task_.mailbox.claim_rollback(*back)) {
       if (!take_early(*back, task_.clock.now())) return false;
     }
   }
@@ -77,7 +77,7 @@ bool Boundary::meet(Instant now) {
     // The coordinator is late: a member at its instant decides for all that nothing happens.
     const Decision::Verdict verdict = next->decision->meet(task_.release);
     if (verdict == Decision::Verdict::give_back) give_back(*next);
-    const bool takes = verdict == Decision::Verdict::take && task_.mailbox.revoke(*next);
+    const bool takes = verdict == Decision::Verdict::take && task_.mailbox.claim(*next);
     if (takes && !take(*next, now)) return false;
   }
   if (task_.waiting) return true;  // a standby core waits as well
@@ -90,13 +90,13 @@ TaskUpdate* Boundary::takes_over() {
   TaskUpdate* const back = task_.mailbox.back();
   const bool goes_back =
       back != nullptr && back->decision->meet(task_.release) == Decision::Verdict::take;
-  if (goes_back && task_.mailbox.withdraw_rollback(*back)) return back;
+  if (goes_back && task_.mailbox.claim_rollback(*back)) return back;
   if (!task_.failed || faults_.rolls_back() || task_.failed.is_hopeless()) return nullptr;
   TaskUpdate* const standby = task_.mailbox.standby();
   if (standby == nullptr || task_.release < task_.failed.at() + standby->back_off.count()) {
     return nullptr;
   }
-  if (!task_.mailbox.withdraw_standby(*standby)) return nullptr;
+  if (!task_.mailbox.claim_standby(*standby)) return nullptr;
   standby->answer->fault = task_.report.fault();
   return standby;
 }
@@ -326,7 +326,7 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::keep_phase(const TaskUpdate& next) {
 }
 
 void Boundary::give_back(TaskUpdate& next) {
-  if (!task_.mailbox.revoke(next)) return;
+  if (!task_.mailbox.claim(next)) return;
   task_.report.record(TraceKind::given_back, task_.clock.now(), 0, next.number);
   task_.report.note(rt::EventKind::aborted, LogLevel::debug);
   next.answer->progress.store(TaskUpdate::Progress::given_back, std::memory_order_release);

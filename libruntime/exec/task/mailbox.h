@@ -34,13 +34,14 @@ class Mailbox {
     return quiescent_count_.load(std::memory_order_acquire);
   }
 
-  // --- [control] and the task: the side that is first owns the update ----------------------------
-  /// Empties the slot of the next update. False: the other side was first.
-  bool revoke(TaskUpdate& next) { return empty(pending_, next); }
+  // --- [control] and the task: the coordinator withdraws the update that it claims -----------------
+  /// Empties the slot of the next update; the caller owns the update. False: the other side claimed
+  /// it first.
+  bool claim(TaskUpdate& next) { return empty(pending_, next); }
   /// The same for the rollback of a probation.
-  bool withdraw_rollback(TaskUpdate& back) { return empty(back_, back); }
+  bool claim_rollback(TaskUpdate& back) { return empty(back_, back); }
   /// The same for the core that stands by.
-  bool withdraw_standby(TaskUpdate& standby) { return empty(standby_, standby); }
+  bool claim_standby(TaskUpdate& standby) { return empty(standby_, standby); }
 
   // --- [any] ------------------------------------------------------------------------------------
   /// A thread that sleeps on this word looks into the mailbox when it changes.
