@@ -91,7 +91,7 @@ TaskUpdate* Boundary::takes_over() {
   const bool goes_back =
       back != nullptr && back->decision->meet(task_.release) == Decision::Verdict::take;
   if (goes_back && task_.mailbox.claim_rollback(*back)) return back;
-  if (!task_.failed || faults_.rolls_back() || task_.failed.is_hopeless()) return nullptr;
+  if (!task_.failed || faults_.may_roll_back() || task_.failed.is_hopeless()) return nullptr;
   TaskUpdate* const standby = task_.mailbox.standby();
   if (standby == nullptr || task_.release < task_.failed.at() + standby->back_off.count()) {
     return nullptr;
@@ -270,7 +270,7 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::put_in_place(TaskUpdate& next) {
   if (TaskUpdate* const before = mailbox.exchange_back(std::move(next.back))) {
     mailbox.retire(*before);
   }
-  if (task_.failed && next.mode_only) faults_.end_core();
+  if (task_.failed && next.mode_only) faults_.trigger_rollback();
   if (same_bundle && next.standby == nullptr) return;  // the present standby core stays
   if (TaskUpdate* const standby = mailbox.exchange_standby(std::move(next.standby))) {
     standby->answer->progress.store(TaskUpdate::Progress::given_back, std::memory_order_release);

@@ -17,7 +17,7 @@
 
 namespace mauve::exec {
 
-bool FaultReaction::rolls_back() const {
+bool FaultReaction::may_roll_back() const {
   const TaskUpdate* const back = task_.mailbox.back();
   return back != nullptr && back->decision->instant() != kClosed;
 }
@@ -34,7 +34,7 @@ void FaultReaction::judge(const JobUse& job) {
   if (const PortBase* port = this_job().implausible) {
     copy_text(fault.text, port->name());
     record(Cause::implausible);
-    return end_core();
+    return trigger_rollback();
   }
   const TaskUpdate& current = *task_.current;
   const Evidence::Rules rules{current.tolerated, current.window};
@@ -51,7 +51,7 @@ void FaultReaction::judge(const JobUse& job) {
                   static_cast<long long>(current.bundle->task.budget / 1us));
   }
   record(verdict == Evidence::Verdict::overruns ? Cause::overruns : Cause::over_budget);
-  end_core();
+  trigger_rollback();
 }
 
 /// The record holds the text already.
@@ -68,14 +68,14 @@ void FaultReaction::record(Cause cause) {
   copy_text(fault.state, index < states.size() ? states[index]->name() : std::string_view());
 }
 
-void FaultReaction::end_core() {
+void FaultReaction::trigger_rollback() {
   const TaskUpdate* const back = task_.mailbox.back();
   if (back == nullptr) return;
   back->rollback->trigger(task_.clock, task_.report.fault(), &task_.report);
 }
 
 bool FaultReaction::may_recover() const {
-  if (rolls_back() || awaits_rollback()) return true;
+  if (may_roll_back() || awaits_rollback()) return true;
   if (task_.failed.is_hopeless()) return false;
   return task_.failed.cause() == Cause::overruns ||
          task_.current->bundle->task.on_fault.action != FaultPolicy::Action::stop;
@@ -93,7 +93,7 @@ void FaultReaction::fail(Cause cause) {
   task_.report.record(TraceKind::fault, task_.report.fault().time, 0, 0,
                       static_cast<std::uint32_t>(cause));
   log_fault(cause);
-  end_core();
+  trigger_rollback();
   task_.failed.fail(cause, task_.clock.now());
   if (!may_recover()) return task_.park(ComponentState::faulted);
   task_.wait = task_.current->grid;

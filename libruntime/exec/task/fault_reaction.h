@@ -32,16 +32,16 @@ class FaultReaction {
   void pass_release();
   /// A job on probation is judged also where it does not fail.
   void judge(const JobUse& job);
-  /// Triggers the rollback. The core goes on until its next release.
-  void end_core();
+  /// On probation: triggers the rollback of the change. The core goes on until its next release.
+  void trigger_rollback();
   void overran_too_often();
   /// No thread is left for the task.
   void park_for_good(const char* why);
   /// A service that does not return is ended as a job is.
   void write_safe_values();
 
-  /// Is the task rolled back by the change on probation, or will it be?
-  [[nodiscard]] bool rolls_back() const;
+  /// Is the task on probation, with a rollback that is triggered or still can be?
+  [[nodiscard]] bool may_roll_back() const;
   /// A failed core waits while the rollback is under way, or while its policy promises another
   /// core. The standby core exists already, or [control] makes it or declares that there is none.
   [[nodiscard]] bool may_recover() const;
