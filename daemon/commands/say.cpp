@@ -49,7 +49,7 @@ void say_who_stands(Running& running, const Change& change, Json& result) {
   MAUVE_ON_THREAD(control);
   auto standing = Json::array();
   for (const auto& edit : change.edits) {
-    const auto now = running.deployer.status(edit.component);
+    const auto now = running.deployer.status(edit.member);
     const bool recovers = now.state == ComponentState::recovering;
     const bool stands =
         recovers || now.state == ComponentState::faulted || now.state == ComponentState::stopped;

@@ -282,7 +282,7 @@ void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
 
 /// A component that waits for a standby core that cannot be made stops waiting.
 bool HealthMonitor::refused_before(const Change& standby) {
-  const auto& component = standby.edits[0].component;
+  const auto& component = standby.edits[0].member;
   if (const auto allowed = check_abandoned_in(*running_, standby); !allowed) {
     running_->deployer.refuse_standby(component, to_string(allowed.error()));
     return true;
@@ -297,7 +297,7 @@ bool HealthMonitor::refused_before(const Change& standby) {
 
 void HealthMonitor::refuse_standby(const Change& standby, const Error& error, bool for_ever) {
   constexpr auto kAll = std::numeric_limits<std::uint64_t>::max();
-  const auto& component = standby.edits[0].component;
+  const auto& component = standby.edits[0].member;
   refused_[component] = {for_ever ? kAll : running_->generation.load(),
                          "no core stands by for it: " + to_string(error)};
   running_->log.write(Event::standby_refused,
@@ -313,12 +313,12 @@ void HealthMonitor::make_standby_cores() {
   const auto may = may_prepare(running_->control.abandoned_threads(), std::nullopt);
   if (!may) {
     for (const auto& standby : wanted) {
-      running_->deployer.refuse_standby(standby.edits[0].component, to_string(may.error()));
+      running_->deployer.refuse_standby(standby.edits[0].member, to_string(may.error()));
     }
     return;
   }
   std::erase_if(wanted, [this](const Change& standby) {
-    return refused_before(standby) || is_place(*running_, standby.edits[0].component);
+    return refused_before(standby) || is_place(*running_, standby.edits[0].member);
   });
   if (wanted.empty()) {
     return;
@@ -348,7 +348,7 @@ void HealthMonitor::make_standby_cores() {
         },
         [this, wanted](const std::string& hook) {
           for (const auto& standby : wanted) {
-            refuse_standby(standby, thread_abandoned(*running_, hook, standby.edits[0].component),
+            refuse_standby(standby, thread_abandoned(*running_, hook, standby.edits[0].member),
                            true);
           }
           making_ = false;

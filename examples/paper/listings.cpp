@@ -73,7 +73,7 @@ int main() {
   // Listing 6 as in the paper: the component stops, the core is replaced, the component continues
   // on the same clock. This is for a device that only one core at a time can open.
   mauve::Edit edit;
-  edit.component = "control";
+  edit.member = "control";
   edit.core = mauve::CoreType::of<PotentialFieldCore>("PotentialFieldCore");
   must("swap in place", deployer.swap_core_in_place(edit));
   deployer.run_for(100ms);

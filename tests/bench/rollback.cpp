@@ -122,7 +122,7 @@ Rollbacks roll_back(int count, int cpu) {
   const Probe probe(deployer.t0() + kPeriod.count() / 4);
   mauve::Change change;
   change.edits.resize(1);
-  change.edits[0].component = "pump";
+  change.edits[0].member = "pump";
   change.edits[0].core = mauve::CoreType::of<Core>("failing");
   change.probation = mauve::Probation{.misses = 64};  // no fault but the one that is measured
   Rollbacks result;

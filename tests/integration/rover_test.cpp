@@ -204,7 +204,7 @@ TEST(RoverSimulated, IsProvedToMeetItsDeadlinesAndRefusesACoreThatWouldNot) {
   EXPECT_TRUE(timing.problems.empty()) << timing.problems.front();
   EXPECT_GT(timing.factor.value_or(0), 1.0);
   mauve::Edit edit;
-  edit.component = "control";
+  edit.member = "control";
   edit.core = *rover.core("guidance/finite_time");
   edit.task = rover.task("control");
   edit.task->budget = 12ms;

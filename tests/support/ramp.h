@@ -149,7 +149,7 @@ struct FallingBack : Two<Left, Right> {
 template <typename Core>
 mauve::Edit to_core(std::string type_name, std::string component = "control") {
   mauve::Edit edit;
-  edit.component = std::move(component);
+  edit.member = std::move(component);
   edit.core = mauve::CoreType::of<Core>(std::move(type_name));
   return edit;
 }

@@ -103,7 +103,7 @@ inline mauve::Change to_version(int version) {
   mauve::Change change;
   for (std::size_t i = 0; i < kCount; ++i) {
     mauve::Edit edit;
-    edit.component = "c" + std::to_string(i);
+    edit.member = "c" + std::to_string(i);
     edit.properties.emplace_back("core.version", static_cast<std::int64_t>(version));
     change.edits.push_back(std::move(edit));
   }

@@ -139,7 +139,7 @@ inline mauve::Change change_to(std::shared_ptr<mauve::ResourceBase> other, doubl
   mauve::Change change;
   for (const char* writer : {"left", "right"}) {
     mauve::Edit edit;
-    edit.component = writer;
+    edit.member = writer;
     edit.disconnect = {"out"};
     edit.connect = {{"out", "store.add", mauve::Duration{0}}};
     edit.properties.emplace_back("core.value", value);

@@ -21,7 +21,7 @@ bool changes_modes_only(const Running& running, const Change& change) {
   return !change.changes_rules && change.new_components.empty() && change.new_resources.empty() &&
          change.remove.empty() &&
          std::all_of(change.edits.begin(), change.edits.end(), [&](const Edit& one) {
-           const auto* component = running.architecture.find_component(one.component);
+           const auto* component = running.architecture.find_component(one.member);
            const bool other_core =
                one.core &&
                (component == nullptr || component->bundle()->core_type.name != one.core->name);
@@ -135,7 +135,7 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
 
 Edit edit_of(std::string_view component) {
   Edit edit;
-  edit.component = component;
+  edit.member = component;
   return edit;
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 void end_in_place(Running& running, const CallPtr& call, ChangeRequestPtr request, Ticket ticket,
                   const Result<Receipt>& receipt) {
-  const auto& name = request->change.edits[0].component;
+  const auto& name = request->change.edits[0].member;
   const auto& probation = request->change.probation;
   const bool in_force = receipt || receipt.error().code == Errc::partly;
   if (in_force && probation) {
@@ -59,7 +59,7 @@ void exchange_in_place(Running& running, const CallPtr& call, ChangeRequestPtr r
       [&running, call, request, ticket = std::move(ticket)]() mutable {
         resume_in_place(running, call, std::move(request), std::move(ticket));
       },
-      [&running, call, name = request->change.edits[0].component](const std::string& hook) {
+      [&running, call, name = request->change.edits[0].member](const std::string& hook) {
         note_abandoned_in(running, {name}, hook, true);
         answer(running, *call,
                thread_abandoned(running, hook, name,
@@ -71,7 +71,7 @@ void exchange_in_place(Running& running, const CallPtr& call, ChangeRequestPtr r
 /// The policy of the component may have given it another core before it was parked.
 void exchange_when_parked(Running& running, const CallPtr& call, ChangeRequestPtr request,
                           Ticket ticket) {
-  const auto& name = request->change.edits[0].component;
+  const auto& name = request->change.edits[0].member;
   request->before.failure = mark_failure(running, name);
   request->before.ran = (**request->prepared).content().members.front().resume;
   if (running.architecture.find_component(name)->bundle() == request->before.bundle) {

@@ -19,7 +19,7 @@ namespace {
 /// [factory]
 Status free_all(ChangeRequest& request) {
   auto cleaned = request.retired->release();
-  const std::string at = request.change.edits.empty() ? "" : request.change.edits[0].component;
+  const std::string at = request.change.edits.empty() ? "" : request.change.edits[0].member;
   static_cast<void>(drop_elements(at, [&request] {
     request.prepared.reset();
     request.change = {};
@@ -34,7 +34,7 @@ bool starts_something(const Change& change) {
 }
 
 Error stopped_meanwhile(const ChangeRequest& request) {
-  return refuse({Errc::conflict, "stopped_meanwhile"}, request.change.edits[0].component,
+  return refuse({Errc::conflict, "stopped_meanwhile"}, request.change.edits[0].member,
                 "was stopped by request after this change was asked for", "start it again");
 }
 
@@ -70,7 +70,7 @@ bool may_go_on(Running& running, const Call& call, ChangeRequest& request) {
 std::vector<std::string> components_of(const Change& change) {
   std::vector<std::string> names;
   for (const auto& edit : change.edits) {
-    names.push_back(edit.component);
+    names.push_back(edit.member);
   }
   return names;
 }
@@ -117,7 +117,7 @@ void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
 std::uint64_t stops_of(const std::map<std::string, std::uint64_t>& stops, const Change& change) {
   std::uint64_t sum = 0;
   for (const auto& edit : change.edits) {
-    const auto found = stops.find(edit.component);
+    const auto found = stops.find(edit.member);
     sum += found == stops.end() ? 0 : found->second;
   }
   return sum;

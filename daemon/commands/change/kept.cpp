@@ -29,7 +29,7 @@ void say_kept(const Running& running, const Change& change, Json& result) {
   auto kept = Json::array();
   for (const auto& edit : change.edits) {
     for (const auto& [path, given] : edit.properties) {
-      const auto address = edit.component + "." + path;
+      const auto address = edit.member + "." + path;
       const auto target = find_target(running, address);
       if (target && target->property != nullptr) {
         add_kept(address, given, target->property->value(), kept);

@@ -89,15 +89,15 @@ void prepare(Running& running, Reload& reload) {
     return;
   }
   for (auto& edit : reload.change.edits) {
-    auto found = take_new(offered.cores, edit.core, edit.component);
+    auto found = take_new(offered.cores, edit.core, edit.member);
     if (found) {
-      found = take_new(offered.fsms, edit.fsm, edit.component);
+      found = take_new(offered.fsms, edit.fsm, edit.member);
     }
     if (found) {
-      found = take_new(offered.components, edit.type, edit.component);
+      found = take_new(offered.components, edit.type, edit.member);
     }
     if (found) {
-      found = take_new(offered.resources, edit.resource, edit.component);
+      found = take_new(offered.resources, edit.resource, edit.member);
     }
     if (!found) {
       reload.prepared = found.error();
@@ -280,7 +280,7 @@ void put_reload_in_force(Running& running, const CallPtr& call, ReloadPtr reload
   }
   std::vector<FailureMark> changed;
   for (const auto& edit : reload->change.edits) {
-    changed.push_back(mark_failure(running, edit.component));
+    changed.push_back(mark_failure(running, edit.member));
   }
   auto ongoing = running.deployer.begin(**reload->prepared);
   when_answered(running, std::move(ongoing),

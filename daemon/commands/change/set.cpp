@@ -45,7 +45,7 @@ Edit& edit_for(const Running& running, const std::string& address, StatePolicy p
                Change& change) {
   const auto owner = address.substr(0, address.find('.'));
   auto edit = std::find_if(change.edits.begin(), change.edits.end(),
-                           [&](const Edit& one) { return one.component == owner; });
+                           [&](const Edit& one) { return one.member == owner; });
   if (edit == change.edits.end()) {
     edit = change.edits.insert(edit, edit_of(owner));
     edit->state = policy;
@@ -57,20 +57,20 @@ Edit& edit_for(const Running& running, const std::string& address, StatePolicy p
 /// "heater.task.budget": an attribute of a task, which is no property of an element.
 Status set_attribute(const Running& running, const std::string& address, const Json& json,
                      Edit& edit) {
-  const auto component = find_component(running, edit.component);
+  const auto component = find_component(running, edit.member);
   if (!component) {
     return component.error();
   }
   if (!edit.task) {
     edit.task = (*component)->bundle()->task;
   }
-  const auto at = edit.component + std::string(kTaskPart);
+  const auto at = edit.member + std::string(kTaskPart);
   return arch::set_attribute(*edit.task, at.substr(0, at.size() - 1), address.substr(at.size()),
                              json.dump());
 }
 
 Status add_value(const Running& running, const std::string& address, const Json& json, Edit& edit) {
-  const auto rest = std::string_view(address).substr(edit.component.size());
+  const auto rest = std::string_view(address).substr(edit.member.size());
   if (rest.starts_with(kTaskPart)) {
     return set_attribute(running, address, json, edit);
   }

@@ -95,7 +95,7 @@ Json planned(const Running& running, const std::vector<arch::Line>& lines,
 bool overtaken_by_stop(const Running& running, const Call& call, const Change& change) {
   MAUVE_ON_THREAD(control);
   return std::any_of(change.edits.begin(), change.edits.end(), [&](const Edit& edit) {
-    const auto came = running.stops_came.find(edit.component);
+    const auto came = running.stops_came.find(edit.member);
     return edit.mode == Mode::run && came != running.stops_came.end() &&
            came->second > call.received;
   });

@@ -62,7 +62,7 @@ Result<Edit> edit_from(const Running& running, const Json& params) {
     for (const auto& [key, json] : set->items()) {
       auto value = arch::from_json(json);
       if (!value) {
-        value.error().at = edit.component + "." + property_path(key);
+        value.error().at = edit.member + "." + property_path(key);
         return value.error();
       }
       edit.properties.emplace_back(property_path(key), *std::move(value));
@@ -150,7 +150,7 @@ void swap_core(Running& running, const CallPtr& call, Ticket ticket) {
     return answer(running, *call, sound.error());
   }
   auto properties = std::make_shared<Properties>(
-      running, *running.architecture.find_component(edit->component), *edit);
+      running, *running.architecture.find_component(edit->member), *edit);
   if (in_place) {
     return apply_in_place(running, call, std::move(ticket), *std::move(edit),
                           std::move(properties));

@@ -61,7 +61,7 @@ void note_abandoned_in(Running& running, const std::vector<std::string>& compone
 Status check_abandoned_in(const Running& running, const Change& change) {
   MAUVE_ON_THREAD(control);
   for (const auto& edit : change.edits) {
-    if (auto allowed = check_name(running, edit.component); !allowed) {
+    if (auto allowed = check_name(running, edit.member); !allowed) {
       return allowed;
     }
   }

@@ -344,7 +344,7 @@ std::vector<std::string> place_notes(const Running& running, const Change& chang
   std::vector<std::string> notes;
   for (const auto& place : running.places) {
     const bool changed = std::ranges::any_of(
-        change.edits, [&](const Edit& edit) { return edit.component == place.component; });
+        change.edits, [&](const Edit& edit) { return edit.member == place.component; });
     if (changed && !place.rolls_back) {
       notes.push_back("the probation of generation " + std::to_string(place.generation) + " (" +
                       place.component +

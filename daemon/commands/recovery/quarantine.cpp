@@ -127,7 +127,7 @@ Status check_quarantine(const Running& running, const Change& change, const Buil
   };
   for (const auto& edit : change.edits) {
     if (edit.core) {
-      look_at(edit.component + ".core", edit.core->name);
+      look_at(edit.member + ".core", edit.core->name);
     }
   }
   for (const auto& [component, fallback] : change.fallbacks) {

@@ -62,7 +62,7 @@ bool same_element(const ResourceBase& a, const ResourceBase& b) {
 
 Edit edit_of(const std::string& name) {
   Edit edit;
-  edit.component = name;
+  edit.member = name;
   return edit;
 }
 
@@ -228,7 +228,7 @@ class Differ {
     const std::string name = std::string(group) + "." + std::string(then.name());
     if (!same_value(first, after)) edit.properties.emplace_back(name, after);
     if (same_value(before, after)) return;
-    say("property", edit.component + "." + name, known ? before : Value(), after);
+    say("property", edit.member + "." + name, known ? before : Value(), after);
   }
 
   void compare(std::string_view port, const Binding* now, const Binding* then, Edit& edit) {
@@ -239,7 +239,7 @@ class Differ {
     if (same_value(before, after) && !lost) return;
     if (now != nullptr) edit.disconnect.emplace_back(port);
     if (then != nullptr) edit.connect.push_back(connection_to(*then, port));
-    say("port", edit.component + ".ports." + std::string(port), before, after);
+    say("port", edit.member + ".ports." + std::string(port), before, after);
   }
 
   void task(const ComponentBase& now, const ComponentBase& then, Edit& edit) {

@@ -43,9 +43,9 @@ class Merger {
   Edit& edit_of(const Step& step) {
     const auto name = rules::element_of(step);
     const auto found = std::find_if(change_.edits.begin(), change_.edits.end(),
-                                    [&](const Edit& edit) { return edit.component == name; });
+                                    [&](const Edit& edit) { return edit.member == name; });
     if (found != change_.edits.end()) return *found;
-    change_.edits.emplace_back().component = name;
+    change_.edits.emplace_back().member = name;
     return change_.edits.back();
   }
 
@@ -88,9 +88,9 @@ class Merger {
     const bool same =
         target && target->property != nullptr && target->property->value() == step.value;
     const auto name = rules::element_of(step);
-    const bool swapped = std::any_of(
-        change_.edits.begin(), change_.edits.end(),
-        [&](const Edit& edit) { return edit.component == name && edit.core.has_value(); });
+    const bool swapped =
+        std::any_of(change_.edits.begin(), change_.edits.end(),
+                    [&](const Edit& edit) { return edit.member == name && edit.core.has_value(); });
     if (same && !swapped) return ok();
     edit_of(step).properties.emplace_back(step.subject.substr(name.size() + 1), step.value);
     return ok();

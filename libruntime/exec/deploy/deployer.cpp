@@ -253,7 +253,7 @@ Result<Receipt> Deployer::start(const std::vector<std::string>& components, bool
       return refuse({Errc::wrong_state, "runs_already"}, name, "is running already");
     }
     Edit edit;
-    edit.component = name;
+    edit.member = name;
     edit.mode = Mode::run;
     if (reset) edit.core = (*component)->bundle()->core_type;
     if (reset) edit.state = StatePolicy::drop;
@@ -303,7 +303,7 @@ Result<Receipt> Deployer::stop_all(Duration bound) { return wait(*begin_stop_all
 Result<Receipt> Deployer::swap_core(std::string_view component, const CoreType& core,
                                     StatePolicy state) {
   Edit edit;
-  edit.component = component;
+  edit.member = component;
   edit.core = core;
   edit.state = state;
   return apply({{edit}});
@@ -312,7 +312,7 @@ Result<Receipt> Deployer::swap_core(std::string_view component, const CoreType& 
 Result<Receipt> Deployer::set(std::string_view address, const Value& value, StatePolicy state) {
   auto [owner, path] = split_owner(address);
   Edit edit;
-  edit.component = owner;
+  edit.member = owner;
   edit.properties.emplace_back(path, value);
   edit.state = state;
   return apply({{edit}});
@@ -323,7 +323,7 @@ Result<Receipt> Deployer::connect(std::string_view port, std::string_view servic
   auto parts = split_port(port);
   if (!parts) return parts.error();
   Edit edit;
-  edit.component = parts->first;
+  edit.member = parts->first;
   edit.connect.push_back({parts->second, std::string(service), max_age});
   return apply({{edit}});
 }
@@ -332,7 +332,7 @@ Result<Receipt> Deployer::disconnect(std::string_view port) {
   auto parts = split_port(port);
   if (!parts) return parts.error();
   Edit edit;
-  edit.component = parts->first;
+  edit.member = parts->first;
   edit.disconnect.push_back(parts->second);
   return apply({{edit}});
 }

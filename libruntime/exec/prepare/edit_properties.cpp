@@ -113,7 +113,7 @@ Status check_paths(const Edit& edit, const std::vector<std::string_view>& elemen
     if (std::find(elements.begin(), elements.end(), owner) != elements.end()) continue;
     std::string list;
     for (const auto element : elements) list += (list.empty() ? "" : ", ") + std::string(element);
-    return refuse({Errc::unknown_name, "unknown_property"}, edit.component + "." + path,
+    return refuse({Errc::unknown_name, "unknown_property"}, edit.member + "." + path,
                   "is no property", "properties that can change while it runs belong to: " + list);
   }
   return ok();

@@ -37,11 +37,11 @@ Status check_names(const System& system, const Change& change) {
   std::vector<std::string> changed;
   std::vector<std::string> joining;
   for (const Edit& edit : change.edits) {
-    if (contains(changed, edit.component)) {
-      return refuse({Errc::duplicate, "changed_twice"}, edit.component,
+    if (contains(changed, edit.member)) {
+      return refuse({Errc::duplicate, "changed_twice"}, edit.member,
                     "is changed twice in one transaction");
     }
-    changed.push_back(edit.component);
+    changed.push_back(edit.member);
   }
   for (const auto& one : change.new_resources) joining.push_back(one.resource->name());
   for (const auto& one : change.new_components) joining.push_back(one.component->name());
@@ -146,13 +146,13 @@ class Preparation {
   }
 
   Status change(const Edit& edit, bool configure) {
-    if (ResourceBase* resource = system_.architecture.find_resource(edit.component)) {
+    if (ResourceBase* resource = system_.architecture.find_resource(edit.member)) {
       auto prepared = prepare_resource(after_, edit, *resource);
       if (!prepared) return prepared.error();
       content_->resources.push_back(*std::move(prepared));
       return ok();
     }
-    const Result<ComponentBase*> component = system_.component(edit.component);
+    const Result<ComponentBase*> component = system_.component(edit.member);
     if (!component) return component.error();
     auto member = prepare_member(after_, edit, **component, configure);
     if (!member) return member.error();

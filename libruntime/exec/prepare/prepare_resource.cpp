@@ -70,7 +70,7 @@ Status check_lock_budget(const ResourceBase& resource, Duration budget) {
 Result<PreparedResource> prepare_resource(const Afterwards& after, const Edit& edit,
                                           ResourceBase& resource) {
   if (edit.mode != Mode::keep || edit.core || edit.fsm || edit.task) {
-    return refuse({Errc::unsupported, "resource_has_no_thread"}, edit.component,
+    return refuse({Errc::unsupported, "resource_has_no_thread"}, edit.member,
                   "is a resource: it has no thread to start or stop, and its core is replaced by "
                   "changing its properties only");
   }

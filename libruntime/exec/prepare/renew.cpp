@@ -31,7 +31,7 @@ bool speaks_of(const Edit& edit, std::string_view port) {
 Renewed take_renewed(const Architecture& architecture, Change& change) {
   Renewed renewed;
   std::erase_if(change.edits, [&](Edit& edit) {
-    const ResourceBase* resource = architecture.find_resource(edit.component);
+    const ResourceBase* resource = architecture.find_resource(edit.member);
     const bool anew = resource != nullptr &&
                       (edit.resource || touches(edit, "shell") || touches(edit, "interface"));
     if (anew) renewed.emplace_back(resource, std::move(edit));
@@ -65,7 +65,7 @@ Status copy_all(const ResourceBase& from, const ResourceBase& into, const Edit& 
 
 Status make_replacement(const ResourceBase& resource, const Edit& edit, Change& change) {
   if (edit.mode != Mode::keep || edit.core || edit.fsm || edit.type || edit.task) {
-    return refuse({Errc::unsupported, "resource_has_no_thread"}, edit.component,
+    return refuse({Errc::unsupported, "resource_has_no_thread"}, edit.member,
                   "is a resource: it has no thread, and its core comes with its type");
   }
   if (Status paths = check_paths(edit, {"shell", "core", "interface"}); !paths) return paths;
@@ -83,9 +83,9 @@ Status make_replacement(const ResourceBase& resource, const Edit& edit, Change& 
 
 Edit& edit_of(const std::string& name, Change& change) {
   const auto found = std::find_if(change.edits.begin(), change.edits.end(),
-                                  [&](const Edit& edit) { return edit.component == name; });
+                                  [&](const Edit& edit) { return edit.member == name; });
   if (found != change.edits.end()) return *found;
-  change.edits.emplace_back().component = name;
+  change.edits.emplace_back().member = name;
   return change.edits.back();
 }
 

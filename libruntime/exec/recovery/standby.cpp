@@ -104,7 +104,7 @@ std::optional<Edit> standby_of(const System& system, const std::string& componen
                                const Deployed* deployed) {
   const FaultPolicy& policy = bundle.task.on_fault;
   Edit edit;
-  edit.component = component;
+  edit.member = component;
   const bool falls_back =
       policy.action == Action::fallback || bundle.task.on_overrun == OnOverrun::fallback;
   if (falls_back && fallback && !is_kept_out(system, fallback->core)) {
@@ -296,10 +296,10 @@ Recovery recovery_of(const System& system, const Deployed& deployed, Instant fai
 
 Error about_standby(const Change& standby, Error error) {
   const Edit& edit = standby.edits.front();
-  const std::string core = edit.component + ".core";
+  const std::string core = edit.member + ".core";
   const bool inside = error.at == core || error.at.starts_with(core + ".");
   if (edit.state == StatePolicy::offer && inside) {
-    error.at.replace(0, core.size(), edit.component + ".fallback_core");
+    error.at.replace(0, core.size(), edit.member + ".fallback_core");
   }
   return error;
 }

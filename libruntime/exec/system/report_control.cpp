@@ -59,7 +59,7 @@ std::string what_of(std::string_view verb, const std::vector<std::string>& names
 
 std::string what_of(const Change& change) {
   std::vector<std::string> names;
-  for (const Edit& edit : change.edits) names.push_back(edit.component);
+  for (const Edit& edit : change.edits) names.push_back(edit.member);
   const bool only_edits = change.new_resources.empty() && change.new_components.empty() &&
                           change.remove.empty() && !names.empty();
   const std::string_view verb = only_edits ? verb_of(change.edits.front()) : "";
@@ -76,7 +76,7 @@ std::vector<std::string> set_by(const Change& change) {
   std::vector<std::string> addresses;
   for (const Edit& edit : change.edits) {
     for (const auto& property : edit.properties) {
-      addresses.push_back(edit.component + "." + property.first);
+      addresses.push_back(edit.member + "." + property.first);
     }
   }
   return addresses;

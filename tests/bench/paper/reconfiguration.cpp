@@ -257,7 +257,7 @@ void figure_9(Book& book, const Setting& setting, bool in_place) {
     const OnCpu here(places.coordinator, 0);
     await(deployer);
     mauve::Edit edit;
-    edit.component = "a";
+    edit.member = "a";
     edit.core = mauve::CoreType::of<Slow>(mauve::class_name(typeid(Slow)));
     mauve::Change change;
     change.edits.push_back(edit);

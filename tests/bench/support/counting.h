@@ -51,7 +51,7 @@ struct CountingMany : mauve::Architecture {
     mauve::Change change;
     for (const auto& component : components) {
       mauve::Edit edit;
-      edit.component = component->name();
+      edit.member = component->name();
       edit.core = mauve::CoreType::of<Counting<Step>>("counting" + std::to_string(Step));
       change.edits.push_back(std::move(edit));
     }

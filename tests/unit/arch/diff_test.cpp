@@ -29,7 +29,7 @@ TEST_F(Diff, FindsAPropertyOfTheCore) {
 
   EXPECT_THAT(said(difference.lines), ElementsAre("~ property left.core.gain: 0.5 -> 0.75"));
   const Edit& edit = only_edit(difference);
-  EXPECT_EQ(edit.component, "left");
+  EXPECT_EQ(edit.member, "left");
   EXPECT_THAT(said(edit.properties), ElementsAre("core.gain=0.75"));
   EXPECT_FALSE(edit.core || edit.fsm || edit.task || edit.type);
 }
@@ -150,9 +150,9 @@ TEST_F(Diff, FindsConnectionsAndPropertiesOfResources) {
   EXPECT_THAT(said(difference.lines), ElementsAre("~ property scan.core.capacity: 16 -> 8",
                                                   "- port relay.ports.next: \"pose.write\""));
   ASSERT_EQ(difference.change.edits.size(), 2U);
-  EXPECT_EQ(difference.change.edits[0].component, "scan");
+  EXPECT_EQ(difference.change.edits[0].member, "scan");
   EXPECT_THAT(said(difference.change.edits[0].properties), ElementsAre("core.capacity=8"));
-  EXPECT_EQ(difference.change.edits[1].component, "relay");
+  EXPECT_EQ(difference.change.edits[1].member, "relay");
   EXPECT_THAT(difference.change.edits[1].disconnect, ElementsAre("next"));
 }
 

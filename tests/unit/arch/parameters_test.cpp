@@ -281,7 +281,7 @@ class ParametersInAChange : public testing::Test {
   }
   Result<Receipt> set(std::vector<std::pair<std::string, Value>> properties) {
     Edit edit;
-    edit.component = "control";
+    edit.member = "control";
     edit.properties = std::move(properties);
     return deployer_.apply({.edits = {edit}});
   }

@@ -214,7 +214,7 @@ TEST_F(RulesInFiles, BecomeOneEditAComponentAndLeaveOutWhatIsSo) {
   const auto slow = change(deployer, *architecture, "slow");
   ASSERT_TRUE(slow);
   ASSERT_EQ(slow->edits.size(), 1U) << "right is parked already";
-  EXPECT_EQ(slow->edits[0].component, "left");
+  EXPECT_EQ(slow->edits[0].member, "left");
 
   const auto blind = change(deployer, *architecture, "blind");
   ASSERT_TRUE(blind);

@@ -53,7 +53,7 @@ class Abandoned : public testing::Test {
   template <typename T>
   static Edit edit() {
     Edit edit;
-    edit.component = "control";
+    edit.member = "control";
     edit.core = CoreType::of<T>("test/core");
     return edit;
   }

@@ -50,7 +50,7 @@ constexpr DeployOptions options(Admission admission) {
 
 Change with_task(const std::string& component, const TaskAttributes& task) {
   Edit edit;
-  edit.component = component;
+  edit.member = component;
   edit.task = task;
   return {{edit}};
 }
@@ -161,7 +161,7 @@ TEST(Admission, ARefusalSaysWhoPreventsEveryExecutionTime) {
   Deployer deployer(architecture, options(Admission::strict));
   ASSERT_TRUE(deployer.deploy());
   Edit edit;
-  edit.component = "fast";
+  edit.member = "fast";
   edit.properties.emplace_back("fsm.period", "20us");
 
   const Result<Receipt> refused = deployer.apply({{edit}});

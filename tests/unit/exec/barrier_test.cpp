@@ -102,7 +102,7 @@ TEST_F(Barrier, RefusesAStateThatTheNewResourceCannotTake) {
 TEST_F(Barrier, ChangesOtherThingsThanContractsToo) {
   Change change;
   change.edits.resize(1);
-  change.edits[0].component = "right";
+  change.edits[0].member = "right";
   change.edits[0].properties.emplace_back("core.value", 2.0);
   change.sync = Sync::barrier;
 
@@ -275,7 +275,7 @@ TEST(BarrierOfAChain, KeepsThoseOutThatReachTheResourceThroughAnother) {
   change.remove = {"store"};
   change.new_resources.push_back({store::make<store::Second>("two"), {}});
   change.edits.resize(1);
-  change.edits[0].component = "relay";
+  change.edits[0].member = "relay";
   change.edits[0].disconnect = {"next"};
   change.edits[0].connect = {{"next", "store.add", 0ms}};
   change.edits[0].properties.emplace_back("core.factor", 1000.0);

@@ -62,7 +62,7 @@ class Converters : public testing::Test {
   template <Converter Convert>
   Result<Receipt> swap(bool on_probation) {
     Edit edit;
-    edit.component = "left";
+    edit.member = "left";
     edit.core = CoreType::of<NewRevision<Convert>>("new");
     Change change;
     change.edits.push_back(std::move(edit));
@@ -142,7 +142,7 @@ struct WithMotor : Architecture {
 template <Converter Convert>
 Change to_new_motor(const WithMotor& architecture) {
   Edit edit;
-  edit.component = "motor";
+  edit.member = "motor";
   edit.resource = architecture.motor.type();
   edit.resource->core = CoreType::of<NewMotor<Convert>>("new");
   Change change;

@@ -205,7 +205,7 @@ TEST_F(HandOver, GoesOnFromTheLaterValueWhenThereIsAConverterBack) {
 /// A swap to the core that counts in millimetres, on probation.
 Change to_second() {
   Edit edit;
-  edit.component = "control";
+  edit.member = "control";
   edit.core = CoreType::of<ramp::Second>("test/second");
   Change change;
   change.edits.push_back(std::move(edit));

@@ -36,7 +36,7 @@ class Joining : public testing::Test {
   }
   static Edit step(const char* component, double value) {
     Edit edit;
-    edit.component = component;
+    edit.member = component;
     edit.properties.emplace_back("core.step", Value(value));
     return edit;
   }
@@ -334,7 +334,7 @@ TEST_F(Joining, AChangeThatCannotJoinEndsAProbationEarlyAndSaysSoBefore) {
   Change change;
   change.remove = {"right_position"};
   Edit apart;
-  apart.component = "right";
+  apart.member = "right";
   apart.disconnect = {"out"};
   change.edits.push_back(apart);
   apply({to<ramp::Down>("right")});

@@ -55,7 +55,7 @@ class LateCommit : public testing::Test {
     Change change;
     for (const char* name : {"quick", "slow"}) {
       Edit edit;
-      edit.component = name;
+      edit.member = name;
       edit.core = CoreType::of<Counted>("counted");
       change.edits.push_back(std::move(edit));
     }

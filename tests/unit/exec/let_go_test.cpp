@@ -160,7 +160,7 @@ struct Scaling : ramp::Architecture {
 Change to_scale(double scale) {
   Change change;
   change.edits.resize(1);
-  change.edits[0].component = "meter";
+  change.edits[0].member = "meter";
   change.edits[0].properties.emplace_back("core.scale", Value(scale));
   change.probation.emplace();
   return change;

@@ -62,7 +62,7 @@ constexpr DeployOptions hold_options(Admission admission) {
 
 Change with_lock_budget(const std::string& resource, Duration hold) {
   Edit edit;
-  edit.component = resource;
+  edit.member = resource;
   edit.lock_budget = hold;
   return {{edit}};
 }
@@ -202,8 +202,8 @@ TEST(Hold, IsRefusedWhereItHasNoMeaning) {
         with_lock_budget("shared", 50us), with_lock_budget("urgent", 50us)}) {
     const Result<Receipt> done = deployer.apply(change);
 
-    ASSERT_FALSE(done) << change.edits[0].component;
-    EXPECT_EQ(done.error().at, change.edits[0].component + ".lock_budget");
+    ASSERT_FALSE(done) << change.edits[0].member;
+    EXPECT_EQ(done.error().at, change.edits[0].member + ".lock_budget");
     EXPECT_FALSE(done.error().message.empty());
   }
   EXPECT_EQ(architecture.table.lock().budget(), 50us);

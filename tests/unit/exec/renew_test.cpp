@@ -134,7 +134,7 @@ TEST_F(Renew, AShellPropertyChangesAndStateValuesAndUsersGoOn) {
 TEST_F(Renew, TheTypeOfANewerBuildTakesOver) {
   struct Newer : AdderCore {};
   Edit edit;
-  edit.component = "adder";
+  edit.member = "adder";
   edit.resource = architecture.adder.type();
   edit.resource->core.make = detail::make<CoreBase, Newer>;
   const std::int64_t calls = core().calls;
@@ -150,7 +150,7 @@ TEST_F(Renew, TheTypeOfANewerBuildTakesOver) {
 
 TEST_F(Renew, RefusesALockBudgetThatCannotBe) {
   Edit edit;
-  edit.component = "adder";
+  edit.member = "adder";
   edit.properties.emplace_back("shell.step", 3);
   edit.lock_budget = -1us;
 
@@ -169,7 +169,7 @@ TEST_F(Renew, RefusesWhatOnlyAComponentHas) {
   edits[3].type = architecture.near.type();
   edits[4].task.emplace();
   for (Edit& edit : edits) {
-    edit.component = "adder";
+    edit.member = "adder";
     edit.properties.emplace_back("shell.step", 3);
 
     const Result<Receipt> done = deployer.apply({{edit}});
@@ -182,7 +182,7 @@ TEST_F(Renew, RefusesWhatOnlyAComponentHas) {
 
 TEST_F(Renew, TheOldOneComesBackWhenTheChangeIsRolledBack) {
   Edit edit;
-  edit.component = "adder";
+  edit.member = "adder";
   edit.properties.emplace_back("shell.step", 3);
   Change change{{edit}};
   change.probation.emplace();
@@ -205,13 +205,13 @@ TEST_F(Renew, TheOldOneComesBackWhenTheChangeIsRolledBack) {
 /// the resource again.
 TEST_F(Renew, IsRefusedWhenARollbackConnectsAnotherUserBeforeTheCommit) {
   Edit apart;
-  apart.component = "near";
+  apart.member = "near";
   apart.disconnect = {"out"};
   Change change{{apart}};
   change.probation.emplace();
   ASSERT_TRUE(deployer.apply(change));
   Edit edit;
-  edit.component = "adder";
+  edit.member = "adder";
   edit.properties.emplace_back("shell.step", 3);
   auto anew = deployer.prepare({{edit}});
   ASSERT_TRUE(anew) << to_string(anew.error());
@@ -231,14 +231,14 @@ TEST_F(Renew, IsRefusedWhenARollbackConnectsAnotherUserBeforeTheCommit) {
 
 TEST_F(Renew, IsRefusedWhenARollbackConnectsTheResourceItselfElsewhere) {
   Edit elsewhere;
-  elsewhere.component = "relay";
+  elsewhere.member = "relay";
   elsewhere.disconnect = {"out"};
   elsewhere.connect = {{"out", "vague.add"}};
   Change change{{elsewhere}};
   change.probation.emplace();
   ASSERT_TRUE(deployer.apply(change));
   Edit edit;
-  edit.component = "relay";
+  edit.member = "relay";
   edit.resource = architecture.relay.type();
   edit.state = StatePolicy::drop;
   auto anew = deployer.prepare({{edit}});
@@ -281,7 +281,7 @@ class Overtaken : public Renew {
   }
   static Edit set_extra(const char* property) {
     Edit edit;
-    edit.component = "extra";
+    edit.member = "extra";
     edit.properties.emplace_back(property, 2);
     return edit;
   }
@@ -289,7 +289,7 @@ class Overtaken : public Renew {
 
 TEST_F(Overtaken, AConnectionIsRefusedWhoseServiceARollbackTookAway) {
   Edit edit;
-  edit.component = "near";
+  edit.member = "near";
   edit.disconnect = {"out"};
   edit.connect = {{"out", "extra.add"}};
 
@@ -299,7 +299,7 @@ TEST_F(Overtaken, AConnectionIsRefusedWhoseServiceARollbackTookAway) {
 /// Its maker describes the change, for example to a user, before anything refuses it.
 TEST_F(Overtaken, AServiceThatARollbackTookAwayStaysAliveWithThePreparedChangeThatConnectsIt) {
   Edit edit;
-  edit.component = "near";
+  edit.member = "near";
   edit.disconnect = {"out"};
   edit.connect = {{"out", "extra.add"}};
   std::optional<Result<PreparedChange>> prepared = deployer.prepare({{edit}});
@@ -332,7 +332,7 @@ TEST_F(Overtaken, AResourceIsNotRemovedThatARollbackTookAway) {
 
 TEST_F(Overtaken, ASoundChangeIsCommittedAllTheSame) {
   Edit edit;
-  edit.component = "far";
+  edit.member = "far";
   edit.disconnect = {"out"};
   auto prepared = deployer.prepare({{edit}});
   ASSERT_TRUE(prepared) << to_string(prepared.error());
@@ -343,7 +343,7 @@ TEST_F(Overtaken, ASoundChangeIsCommittedAllTheSame) {
 
 TEST_F(Overtaken, AChangeThatWasMadeFromWhatARollbackEndedIsNotPrepared) {
   Change anew{{}};
-  anew.edits.emplace_back().component = "adder";
+  anew.edits.emplace_back().member = "adder";
   anew.edits.back().resource = architecture.adder.type();
   anew.made_from = deployer.generation();
   EXPECT_TRUE(deployer.prepare(anew));
@@ -359,7 +359,7 @@ TEST_F(Overtaken, AChangeThatWasMadeFromWhatARollbackEndedIsNotPrepared) {
 /// during the barrier would let it call the adder while the adder hands its state over.
 TEST_F(Renew, EndsTheProbationOfAChangeWhoseRollbackWouldReachTheResourceThroughAnother) {
   Edit apart;
-  apart.component = "far";
+  apart.member = "far";
   apart.disconnect = {"out"};
   Change change{{apart}};
   change.probation.emplace();

@@ -385,7 +385,7 @@ TEST(Standby, StaysInForceWhenATransactionComesThatDoesNotKnowOfIt) {
   ASSERT_TRUE(deployer.deploy());
   deployer.run_for(30900us);  // the standby core comes 100 us later, before the change
   Change change{{}};
-  change.edits.emplace_back().component = "control";
+  change.edits.emplace_back().member = "control";
   change.edits.back().mode = Mode::run;
 
   ASSERT_TRUE(deployer.apply(change));

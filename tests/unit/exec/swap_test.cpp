@@ -249,7 +249,7 @@ TEST_F(Swap, RefusesToConnectTwiceOrToAnotherKind) {
 
 TEST_F(Swap, RefusesTheSameComponentTwiceInOneTransaction) {
   Edit edit;
-  edit.component = "control";
+  edit.member = "control";
 
   const Result<Receipt> refused = deployer.apply({{edit, edit}});
 

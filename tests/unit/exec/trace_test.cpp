@@ -215,7 +215,7 @@ TEST_F(TraceOfARamp, SaysSinceWhenAComponentHasItsPriority) {
   EXPECT_LE(deployer.traced().components[0].scheduled, 0) << "the swap left it as it was";
 
   Edit edit{};
-  edit.component = "control";
+  edit.member = "control";
   edit.task = architecture.control.bundle()->task;
   edit.task->priority = 33;
   ASSERT_TRUE(deployer.apply(Change{{edit}}));
@@ -296,7 +296,7 @@ TEST_F(TraceOfAMeter, AJobThatTookLongerThanItsBudgetSaysSo) {
   TaskAttributes task = architecture.control.bundle()->task;
   task.budget = 1ms;
   Edit edit;
-  edit.component = "control";
+  edit.member = "control";
   edit.task = task;
   ASSERT_TRUE(deployer.apply({{edit}}));
   deployer.run_for(20ms);

@@ -59,7 +59,7 @@ class Transactions : public testing::Test {
   /// Of the ramp, and says of its task what is so already.
   Edit with_its_task() {
     Edit edit;
-    edit.component = "control";
+    edit.member = "control";
     edit.task = architecture.control.bundle()->task;
     return edit;
   }
@@ -134,11 +134,11 @@ TEST_F(Transactions, ExchangeAResourceUnderAllItsUsersAtOnce) {
   Change change;
   change.new_resources.push_back({data("other"), {}});
   Edit writer;
-  writer.component = "control";
+  writer.member = "control";
   writer.disconnect = {"out"};
   writer.connect = {{"out", "other.write", 0ms}};
   Edit reading;
-  reading.component = "reader";
+  reading.member = "reader";
   reading.disconnect = {"in"};
   reading.connect = {{"in", "other.read", 0ms}};
   change.edits = {writer, reading};
@@ -172,10 +172,10 @@ TEST_F(Transactions, RefuseToRemoveAResourceThatIsInUse) {
 TEST_F(Transactions, RefuseWhatIsEmptyOrSaidTwice) {
   Change twice;
   twice.edits.resize(2);
-  twice.edits[0].component = twice.edits[1].component = "control";
+  twice.edits[0].member = twice.edits[1].member = "control";
   Change gone;
   gone.edits.resize(1);
-  gone.edits[0].component = "control";
+  gone.edits[0].member = "control";
   gone.remove = {"control"};
   Change duplicate;
   duplicate.new_resources.push_back({data("speed"), {}});

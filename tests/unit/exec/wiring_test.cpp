@@ -59,14 +59,14 @@ struct Robot : Architecture {
 
 Edit connect(const char* component, const char* port, const char* service) {
   Edit edit;
-  edit.component = component;
+  edit.member = component;
   edit.connect.push_back({port, service, {}});
   return edit;
 }
 
 Edit disconnect(const char* component, const char* port) {
   Edit edit;
-  edit.component = component;
+  edit.member = component;
   edit.disconnect.emplace_back(port);
   return edit;
 }

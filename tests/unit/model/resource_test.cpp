@@ -105,14 +105,14 @@ TEST(Resource, CycleIsRefusedAtConnectOfARunningSystem) {
 
 Edit disconnecting(const char* relay) {
   Edit edit;
-  edit.component = relay;
+  edit.member = relay;
   edit.disconnect = {"out"};
   return edit;
 }
 
 Edit connecting(const char* relay, const char* service) {
   Edit edit;
-  edit.component = relay;
+  edit.member = relay;
   edit.connect = {{"out", service}};
   return edit;
 }

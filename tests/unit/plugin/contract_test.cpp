@@ -44,7 +44,7 @@ class ContractOfTwoPlugins : public ::testing::Test {
       EXPECT_TRUE(catalog_.reload("line_core"));
     }
     Edit edit;
-    edit.component = "unit";
+    edit.member = "unit";
     edit.core = *catalog_.core("line_core/" + core);
     edit.state = state;
     Result<Receipt> done = deployer_.apply(Change{{edit}});
@@ -161,7 +161,7 @@ TEST_F(ContractOfTwoPlugins, SaysBeforeAChangeThatTheFieldsOfAStateAreNotCompare
   folder_.put("line_vouched_rebuilt/line_core.so", "line_core.so");
   ASSERT_TRUE(catalog_.reload("line_core"));
   Edit edit;
-  edit.component = "unit";
+  edit.member = "unit";
   edit.core = *catalog_.core("line_core/counting");
   auto prepared = deployer_.prepare(Change{{edit}});
 

@@ -32,7 +32,7 @@ struct NewConnection {
 
 /// The change of one component or resource. Everything that it does not name stays as it is.
 struct Edit {
-  std::string component;         ///< or resource
+  std::string member;            ///< the component or resource
   std::optional<CoreType> core;  ///< replaces the core; also the core in force again, freshly made
   std::optional<FsmType> fsm;    ///< replaces the state machine
   /// The component's own type from a newer build of its plugin: its shell is made anew, connections
