@@ -179,11 +179,11 @@ using Handler = std::conditional_t<answers_later(lane), AnswersLater, AnswersAtO
 
 /// The function that serves a method: one of the two, by the lane of the method.
 struct Command {
-  constexpr explicit Command(AnswersAtOnce* handler) : read(handler) {}
-  constexpr explicit Command(AnswersLater* handler) : change(handler) {}
+  constexpr explicit Command(AnswersAtOnce* handler) : at_once(handler) {}
+  constexpr explicit Command(AnswersLater* handler) : later(handler) {}
 
-  AnswersAtOnce* read = nullptr;
-  AnswersLater* change = nullptr;
+  AnswersAtOnce* at_once = nullptr;
+  AnswersLater* later = nullptr;
 };
 
 /// [any] The command of a row of protocol::methods().

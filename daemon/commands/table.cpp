@@ -96,11 +96,11 @@ CallPtr CommandTable::call_of(const server::Caller& caller, const protocol::Meth
 
 void CommandTable::run(const Command& command, const CallPtr& call) {
   const std::function<void()> by_itself = [this, &command, call] {
-    command.change(running_, call, {});
+    command.later(running_, call, {});
   };
   switch (call->method->lane) {
     case Lane::any:
-      return answer(running_, *call, command.read(running_, *call));
+      return answer(running_, *call, command.at_once(running_, *call));
     case Lane::read:
       return running_.control.read([this, &command, call] { look(command, *call); },
                                    asker_of(*call));
@@ -110,7 +110,7 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
       return running_.control.read([this, &command, call] { run_aside(command, call); },
                                    asker_of(*call));
     case Lane::urgent:
-      if (command.change == stop) {
+      if (command.later == stop) {
         watch_over_stop(running_, call);
       }
       return running_.control.urgent(by_itself);
@@ -124,7 +124,7 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
 void CommandTable::look(const Command& command, const Call& call) {
   auto result = [&] {
     const StandStill still(running_);
-    return command.read(running_, call);
+    return command.at_once(running_, call);
   }();
   answer(running_, call, std::move(result));
 }
@@ -134,7 +134,7 @@ void CommandTable::run_aside(const Command& command, const CallPtr& call) {
     return answer(running_, *call, room.error());
   }
   running_.control.write_out(
-      [this, &command, call] { answer(running_, *call, command.read(running_, *call)); },
+      [this, &command, call] { answer(running_, *call, command.at_once(running_, *call)); },
       asker_of(*call));
 }
 
@@ -153,7 +153,7 @@ void CommandTable::run_as_change(const Command& command, const CallPtr& call) {
       return answer(running_, *call, met.error());
     }
     running_.control.works_for(call->caller.peer.uid);
-    command.change(running_, call, std::move(ticket));
+    command.later(running_, call, std::move(ticket));
   };
   const bool queued = running_.control.change(begin, asker_of(*call));
   if (!queued) {
@@ -170,7 +170,7 @@ void CommandTable::run_in_factory(const Command& command, const CallPtr& call) {
   }
   auto result = std::make_shared<std::optional<Result<Json>>>();
   running_.control.in_factory(
-      [this, &command, call, result] { *result = command.read(running_, *call); },
+      [this, &command, call, result] { *result = command.at_once(running_, *call); },
       [this, call, result] { answer(running_, *call, std::move(**result)); },
       [this, call](const std::string& hook) {
         answer(running_, *call, thread_abandoned(running_, hook, std::string(call->method->name)));

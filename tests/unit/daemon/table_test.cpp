@@ -29,11 +29,11 @@ TEST(Commands, AreServedByOneFunctionEachAsTheirLaneAsks) {
   for (const auto& method : methods()) {
     const auto& command = command_of(method);
     EXPECT_TRUE(commands.insert(&command).second) << method.name;
-    EXPECT_NE(command.read == nullptr, command.change == nullptr) << method.name;
-    EXPECT_EQ(answers_later(method.lane), command.change != nullptr) << method.name;
+    EXPECT_NE(command.at_once == nullptr, command.later == nullptr) << method.name;
+    EXPECT_EQ(answers_later(method.lane), command.later != nullptr) << method.name;
   }
-  EXPECT_EQ(command_of(*protocol::find_method("component.stop")).change, stop);
-  EXPECT_EQ(command_of(*protocol::find_method("status.get")).read, status);
+  EXPECT_EQ(command_of(*protocol::find_method("component.stop")).later, stop);
+  EXPECT_EQ(command_of(*protocol::find_method("status.get")).at_once, status);
 }
 
 TEST(Commands, ThatArePromisedOutOfBandDoNotWaitForChanges) {
