@@ -17,10 +17,10 @@ using RenderReceipt = std::string (*)(std::string_view, const Json&, Look);
 /// The lines of the change and its receipt; of a dry run, the plan.
 void print_change(Session& session, const Json& receipt, std::string_view done,
                   RenderReceipt render) {
-  const bool tried = member(receipt, "dry_run") == true;
-  session.print(receipt, tried ? render_plan("the change", receipt, session.look())
-                               : change_lines(receipt, session.look()) +
-                                     render(done, receipt, session.look()));
+  const bool dry_run = member(receipt, "dry_run") == true;
+  session.print(receipt, dry_run ? render_plan("the change", receipt, session.look())
+                                 : change_lines(receipt, session.look()) +
+                                       render(done, receipt, session.look()));
 }
 
 int change(Session& session, std::string_view method, Json params, std::string_view done,

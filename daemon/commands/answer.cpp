@@ -14,8 +14,7 @@ namespace mauve::daemon {
 
 namespace {
 
-/// Some change is on probation.
-bool is_tried(const Running& running) {
+bool some_change_is_on_probation(const Running& running) {
   return running.deployer.on_probation() || !running.places.empty();
 }
 
@@ -33,9 +32,9 @@ void keep(Running& running, const Call& call, std::optional<Confirmation> mark, 
   about.command = call.method->name;
   about.reason = text_or(call.params, "reason");
   about.changes = text_or(line, "changes");
-  const bool tried = is_tried(running);
-  about.mark = tried ? Confirmation::unconfirmed : mark.value_or(Confirmation::unconfirmed);
-  auto as = tried || mark ? StateStore::As::marked : StateStore::As::before;
+  const bool on_probation = some_change_is_on_probation(running);
+  about.mark = on_probation ? Confirmation::unconfirmed : mark.value_or(Confirmation::unconfirmed);
+  auto as = on_probation || mark ? StateStore::As::marked : StateStore::As::before;
   if (call.confirms) {
     as = StateStore::As::confirmed;
   }
@@ -82,7 +81,8 @@ void answer_applied(Running& running, const Call& call, Json result) {
     remember_author(running, call, generation);
     remember_change(running, call, result, its);
   }
-  if (const auto lines = result.find("lines"); lines != result.end() && is_tried(running)) {
+  if (const auto lines = result.find("lines");
+      lines != result.end() && some_change_is_on_probation(running)) {
     running.rollback_lines.remember(its, *lines);
   }
   if (!call.mark && generation != call.before) {

@@ -15,7 +15,7 @@ namespace mauve::logging {
 class Sink {
  public:
   virtual ~Sink() = default;
-  /// Fails when the destination is broken (disk full); the next record is tried again.
+  /// Fails when the destination is broken (disk full); the next record is attempted all the same.
   [[nodiscard]] virtual Status write(const Record& record) = 0;
   virtual void flush() = 0;
 };

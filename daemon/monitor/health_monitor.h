@@ -49,8 +49,8 @@ class HealthMonitor {
   bool making_ = false;               ///< [control] standby_cores are being made
   Proofs proofs_;                     ///< [control]
   std::uint64_t relieved_ = 0;        ///< [control] the last generation that a standby core made
-  /// The standby core of a component was refused in this generation: it is tried again in the next
-  /// one, but a standby core whose hook hung is never tried again.
+  /// The standby core of a component was refused in this generation: it is made again in the next
+  /// one, but a standby core whose hook hung is never made again.
   struct RefusedStandby {
     std::uint64_t generation = 0;
     std::string why;

@@ -48,7 +48,7 @@ Status check_cores(const Json& cores, const Json& quarantined) {
 /// does not end mauved, and a generation that cannot be made leaves nothing behind. If the process
 /// cannot be started, or is late outside of any hook, as on a busy machine, the trial has no
 /// verdict, and the start itself decides.
-StartTrial tried(const Origin& origin, const Options& options, const Json& quarantined) {
+StartTrial trial_of(const Origin& origin, const Options& options, const Json& quarantined) {
   Question question{origin.text};
   question.loads = true;
   question.lists_cores = true;
@@ -127,7 +127,7 @@ std::optional<Origin> last_confirmed(const Options& options, StateStore& store, 
     auto usable = text ? ok() : Status(text.error());
     if (usable) {
       origin.text = *std::move(text);
-      const auto trial = tried(origin, options, store.quarantined());
+      const auto trial = trial_of(origin, options, store.quarantined());
       usable = trial.survived ? trial.good : trial.survived;
     }
     if (usable) {
@@ -160,7 +160,7 @@ Result<Origin> what_to_start(const Options& options, StateStore* store, logging:
     return text.error();
   }
   Origin origin{options.architecture, *std::move(text), folder_of(options.architecture)};
-  if (auto survived = tried(origin, options, Json()).survived; !survived) {
+  if (auto survived = trial_of(origin, options, Json()).survived; !survived) {
     return survived.error();
   }
   return origin;

@@ -51,7 +51,7 @@ std::optional<Duration> passing_execution(const TaskSet& set, const std::string&
     const Duration middle = low + (high - low) / 2;
     (with(middle) ? low : high) = middle;
   }
-  // Less work is rarely worse, so the next shorter time is hardly ever tried.
+  // Less work is rarely worse, so the search hardly ever goes on to the next shorter time.
   for (Duration shown = rounded_down(low); shown > kShortestExecution;
        shown = rounded_down(shown - shown / 16)) {
     if (with(shown)) return shown;

@@ -167,7 +167,7 @@ class Hub {
       }
     }
     for (Member& member : serving_) {
-      // Refused is a topic that has another type in this process: tried again.
+      // A topic is refused that has another type in this process: it is opened again.
       if (!member.open) member.open = guarded([&] { member.channel->open(*node_handle_); });
     }
   }

@@ -39,7 +39,7 @@ class Teleop final : public mauve::Core<TeleopShell> {
       ++commands;
       shell().velocity.write(*wanted);
     } else if (state->steering) {
-      // One that was not delivered is tried again: nothing must be left moving.
+      // One that was not delivered is sent again: nothing must be left moving.
       state->steering = !shell().velocity.write(Velocity{});
     }
     steering = state->steering;

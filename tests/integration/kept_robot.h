@@ -96,10 +96,10 @@ class Robot {
   /// The components that it changes; a swap and a reload change those that stay the same, too.
   [[nodiscard]] std::map<std::string, Json> touched(const Step& step, const Json& next) const;
   void open(const Step& step, const Json& result, const Json& next) {
-    const bool tried =
+    const bool has_probation =
         step.kind == Step::Kind::trial && step.params.value("probation", "") != "off";
     open_.add({generation_, result["generation"], touched(step, next)},
-              result.value("notes", Json::array()), tried);
+              result.value("notes", Json::array()), has_probation);
   }
   /// It confirms what runs, so also what that came from on its probation.
   void confirm() {

@@ -190,7 +190,8 @@ inline std::vector<Way> ways_of_files() {
 }
 
 inline std::vector<Way> ways_of_plugins_and_rollbacks() {
-  const Json tried = {{"values", {{"first.core.gain", 3.0}}}, {"confirm_within", "600s"}};
+  const Json set_on_probation = {{"values", {{"first.core.gain", 3.0}}},
+                                 {"confirm_within", "600s"}};
   const Json cut = {{"port", "second.ports.input"}, {"confirm_within", "600s"}};
   const Json place = {{"component", "first"}, {"core", "trial/other"}, {"in_place", true}};
   const Json place_with_value = {{"component", "first"},
@@ -199,35 +200,36 @@ inline std::vector<Way> ways_of_plugins_and_rollbacks() {
                                  {"set", {{"gain", 3.0}}}};
   const Json back = {{"generation", 1}, {"probation", "off"}};
   const Json none = Json::object();
-  return {{"a plugin loaded", "plugin.load", {{"plugin", "demo"}}, kTopology},
-          {"a plugin unloaded",
-           "plugin.unload",
-           {{"plugin", "demo"}},
-           kTopology,
-           {{"plugin.load", {{"plugin", "demo"}}}}},
-          {"a plugin reloaded",
-           "plugin.reload",
-           {{"plugin", "trial"}, {"probation", "off"}},
-           kTopology},
-          {"a confirmation", "change.confirm", none, kNothing, {{"param.set", tried}}},
-          {"an undo of a property", "change.undo", none, kProperty, {{"param.set", tried}}},
-          {"an undo of a connection", "change.undo", none, kTopology, {{"port.disconnect", cut}}},
-          {"an undo of a swap in place", "change.undo", none, kTopology, {{"core.swap", place}}},
-          {"an undo of a swap in place with a value",
-           "change.undo",
-           none,
-           kTopology | kProperty,
-           {{"core.swap", place_with_value}}},
-          {"a rollback of a property",
-           "config.rollback",
-           back,
-           kProperty,
-           {{"param.set", set_to({{"first.core.gain", 3.0}})}}},
-          {"a rollback of a connection",
-           "config.rollback",
-           back,
-           kTopology,
-           {{"port.disconnect", {{"port", "second.ports.input"}, {"probation", "off"}}}}}};
+  return {
+      {"a plugin loaded", "plugin.load", {{"plugin", "demo"}}, kTopology},
+      {"a plugin unloaded",
+       "plugin.unload",
+       {{"plugin", "demo"}},
+       kTopology,
+       {{"plugin.load", {{"plugin", "demo"}}}}},
+      {"a plugin reloaded",
+       "plugin.reload",
+       {{"plugin", "trial"}, {"probation", "off"}},
+       kTopology},
+      {"a confirmation", "change.confirm", none, kNothing, {{"param.set", set_on_probation}}},
+      {"an undo of a property", "change.undo", none, kProperty, {{"param.set", set_on_probation}}},
+      {"an undo of a connection", "change.undo", none, kTopology, {{"port.disconnect", cut}}},
+      {"an undo of a swap in place", "change.undo", none, kTopology, {{"core.swap", place}}},
+      {"an undo of a swap in place with a value",
+       "change.undo",
+       none,
+       kTopology | kProperty,
+       {{"core.swap", place_with_value}}},
+      {"a rollback of a property",
+       "config.rollback",
+       back,
+       kProperty,
+       {{"param.set", set_to({{"first.core.gain", 3.0}})}}},
+      {"a rollback of a connection",
+       "config.rollback",
+       back,
+       kTopology,
+       {{"port.disconnect", {{"port", "second.ports.input"}, {"probation", "off"}}}}}};
 }
 
 inline std::vector<Way> all_ways() {

@@ -215,8 +215,9 @@ TEST_F(Generations, ThatGoBackKeepTheirContentBesideANewerChange) {
   std::map<std::string, Json> wanted;
   for (double value = 3.0; value < 9.0; value += 0.25) {
     const auto before = client.ask("config.get")["result"]["architecture"]["components"];
-    const Json tried = {{"values", {{"first.core.gain", 10.0}}}, {"confirm_within", "600s"}};
-    ASSERT_EQ(client.ask("param.set", tried)["result"]["saved"], true);
+    const Json set_on_probation = {{"values", {{"first.core.gain", 10.0}}},
+                                   {"confirm_within", "600s"}};
+    ASSERT_EQ(client.ask("param.set", set_on_probation)["result"]["saved"], true);
     const auto undone = client.ask("change.undo")["result"]["generation"];
     const Json next = {{"values", {{"first.core.gain", value}}}, {"confirm_within", "600s"}};
     ASSERT_EQ(client.ask("param.set", next)["result"]["saved"], true);

@@ -44,8 +44,8 @@ class OpenChanges {
     for (auto& one : open_) one.ordered = true;
   }
   /// The notes of its answer state which probations a change joins, and which it ends. One that has
-  /// no probation of its own (not `tried`) is on probation when it joins another.
-  void add(OpenChange fresh, const Json& notes, bool tried) {
+  /// no probation of its own (not `has_probation`) is on probation when it joins another.
+  void add(OpenChange fresh, const Json& notes, bool has_probation) {
     bool joins = false;
     std::erase_if(open_, [&](const OpenChange& earlier) {
       const auto note = reported_about(notes, earlier.newest);
@@ -54,7 +54,7 @@ class OpenChanges {
       fresh.join(earlier);
       return true;
     });
-    if (joins || tried) open_.push_back(std::move(fresh));
+    if (joins || has_probation) open_.push_back(std::move(fresh));
   }
   /// Takes the newest change back; components that were stopped or started since then stay so.
   /// Returns the generation that it rolls back to.

@@ -107,8 +107,9 @@ TEST_F(Generations, OfAStopAfterAFailedStartAreConfirmedByHand) {
 /// get the same mark.
 TEST_F(Generations, OfAStopOfAllDuringAProbationAreConfirmedWithIt) {
   TrialDaemon daemon(kTrial, options());
-  const Json tried = {{"values", {{"first.core.gain", 3.0}}}, {"confirm_within", "600s"}};
-  ASSERT_EQ(daemon.ask("param.set", tried)["saved"], true);
+  const Json set_on_probation = {{"values", {{"first.core.gain", 3.0}}},
+                                 {"confirm_within", "600s"}};
+  ASSERT_EQ(daemon.ask("param.set", set_on_probation)["saved"], true);
   ASSERT_EQ(daemon.ask("component.stop", {{"all", true}})["state"], "applied");
   ASSERT_TRUE(eventually([&] { return newest(daemon)["command"] == "component.stop"; }));
   EXPECT_EQ(newest(daemon)["mark"], "unconfirmed");

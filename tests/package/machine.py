@@ -32,8 +32,8 @@ def missing_for_a_machine():
         return ", ".join(tools)
     if "overlay" not in pathlib.Path("/proc/filesystems").read_text("utf-8"):
         return "overlayfs"
-    tried = subprocess.run(["unshare", "--fork", *NAMESPACES, "true"], capture_output=True, check=False)
-    return None if tried.returncode == 0 else "the right to make namespaces"
+    probe = subprocess.run(["unshare", "--fork", *NAMESPACES, "true"], capture_output=True, check=False)
+    return None if probe.returncode == 0 else "the right to make namespaces"
 
 
 def cgroup2():

@@ -15,8 +15,8 @@ namespace mauve::daemon {
 
 namespace {
 
-/// A start or a stop brings nothing that could be tried out, and a rollback from a start would only
-/// stop the component again. That holds for a start with a fresh core of the same type too.
+/// A start or a stop brings nothing that a probation could prove, and a rollback from a start would
+/// only stop the component again. That holds for a start with a fresh core of the same type too.
 bool changes_modes_only(const Running& running, const Change& change) {
   return !change.changes_rules && change.new_components.empty() && change.new_resources.empty() &&
          change.remove.empty() &&

@@ -13,14 +13,14 @@ namespace mauve::daemon {
 void try_out(Running& running, const CallPtr& call, const Question& question, const std::string& at,
              std::function<void()> go_on) {
   MAUVE_ON_THREAD(control);
-  running.try_out(question, [&running, call, at, go_on = std::move(go_on)](Result<Json> tried) {
-    if (tried) {
+  running.try_out(question, [&running, call, at, go_on = std::move(go_on)](Result<Json> made) {
+    if (made) {
       return go_on();
     }
-    if (tried.error().at == kWholeFile) {
-      tried.error().at = at;
+    if (made.error().at == kWholeFile) {
+      made.error().at = at;
     }
-    answer(running, *call, tried.error());
+    answer(running, *call, made.error());
   });
 }
 

@@ -75,14 +75,14 @@ Error no_rollback(const Running& running, Error error) {
 }
 
 /// A change on probation, with those that it joined.
-struct Tried {
+struct ChangeOnProbation {
   std::vector<std::uint64_t> changes;
   std::vector<std::string> components;
   std::optional<PlaceTarget> place;  ///< of a swap in place
   std::vector<std::string> notes = {};
 };
 
-Json tried_json(const Tried& change) {
+Json change_json(const ChangeOnProbation& change) {
   return {{"generations", change.changes}, {"components", change.components}};
 }
 
@@ -92,20 +92,21 @@ Json on_probation(const Running& running) {
   Json all = Json::array();
   for (const auto& open : running.deployer.probations()) {
     if (!open.rolls_back) {
-      all.push_back(tried_json(Tried{open.changes, open.components, std::nullopt}));
+      all.push_back(change_json(ChangeOnProbation{open.changes, open.components, std::nullopt}));
     }
   }
   for (const auto& place : running.places) {
     if (!place.rolls_back) {
-      all.push_back(tried_json(Tried{{place.generation}, {place.component}, std::nullopt}));
+      all.push_back(
+          change_json(ChangeOnProbation{{place.generation}, {place.component}, std::nullopt}));
     }
   }
   return all;
 }
 
 /// The one that `undo` takes back; no changes: there is none.
-Tried newest_of(const Running& running) {
-  Tried newest;
+ChangeOnProbation newest_of(const Running& running) {
+  ChangeOnProbation newest;
   for (const auto& open : running.deployer.probations()) {
     if (!open.rolls_back) {
       newest = {open.changes, open.components, std::nullopt, open.notes};
@@ -125,9 +126,9 @@ Tried newest_of(const Running& running) {
 }
 
 /// The answer to `undo` of these changes, before they are rolled back.
-Json undone_json(const Running& running, const Tried& newest) {
+Json undone_json(const Running& running, const ChangeOnProbation& newest) {
   Json result = {{"lines", running.rollback_lines.back_from(newest.changes)},
-                 {"undone", tried_json(newest)},
+                 {"undone", change_json(newest)},
                  {"components", Json::array()}};
   say_notes(newest.notes, result);
   return result;
@@ -135,7 +136,8 @@ Json undone_json(const Running& running, const Tried& newest) {
 
 /// A rollback that mauved decides is a matter of safety, and no lock holds it. One that a user asks
 /// for is a change like any other.
-Status may_undo(const Running& running, const Call& call, const Tried& newest, const Json& lines) {
+Status may_undo(const Running& running, const Call& call, const ChangeOnProbation& newest,
+                const Json& lines) {
   if (running.rollback_lines.knows(newest.changes)) {
     return may_change(running, call, lines_of(lines));
   }
@@ -179,7 +181,7 @@ void undo_in_place(Running& running, const CallPtr& call, const PlaceTarget& tar
 }
 
 /// A change came into force while an undo waited: its user did not ask for the undo of that one.
-Error not_the_newest(const Tried& wanted, const Tried& newest) {
+Error not_the_newest(const ChangeOnProbation& wanted, const ChangeOnProbation& newest) {
   const auto now = newest.changes.empty() ? std::string("no change is on probation now")
                                           : "generation " + std::to_string(newest.changes.back()) +
                                                 " is the newest change on probation now";
@@ -191,7 +193,7 @@ Error not_the_newest(const Tried& wanted, const Tried& newest) {
 }
 
 /// Judges and begins the undo of the change that was the newest when the user asked for it.
-void begin_undo(Running& running, const CallPtr& call, const Tried& wanted) {
+void begin_undo(Running& running, const CallPtr& call, const ChangeOnProbation& wanted) {
   if (auto met = check_conditions(running, *call); !met) {
     return answer(running, *call, met.error());
   }

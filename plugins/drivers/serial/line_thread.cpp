@@ -269,9 +269,9 @@ void LineThread::end_request() {
 }
 
 void LineThread::write_out() {
-  bool tried = false;
+  bool reopened = false;
   while (next_request()) {
-    if (!open() && lost_ == Lost::opened_to_send && !std::exchange(tried, true)) {
+    if (!open() && lost_ == Lost::opened_to_send && !std::exchange(reopened, true)) {
       error_ = end_->reopen() ? 0 : errno;
       open_ = end_->number() >= 0;
     }
@@ -289,7 +289,7 @@ void LineThread::write_out() {
     request_sent_ += static_cast<std::size_t>(count);
     if (request_sent_ < request_size_) continue;
     end_request();
-    tried = false;  // requests sent meanwhile may meet another loss
+    reopened = false;  // requests sent meanwhile may meet another loss
   }
 }
 

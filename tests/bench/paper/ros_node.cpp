@@ -66,7 +66,8 @@ int run_exchange(int argc, char** argv) {
   message.data.resize(static_cast<std::size_t>(std::atoi(argv[2])));
   ros::Rate rate(50);
   const int count = std::atoi(argv[3]);
-  for (int done = 0, tried = 0; ros::ok() && done < count && tried < count + 100; ++tried) {
+  for (int done = 0, attempts = 0; ros::ok() && done < count && attempts < count + 100;
+       ++attempts) {
     arrived = 0;
     sent = now();
     publisher.publish(message);

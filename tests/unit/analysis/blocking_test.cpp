@@ -10,8 +10,8 @@
 namespace mauve::analysis {
 namespace {
 
-/// By trying every choice.
-std::int64_t tried(const Weights& weights) {
+/// The best of all choices, each computed.
+std::int64_t best_of_all(const Weights& weights) {
   std::vector<bool> used(weights.empty() ? 0 : weights.front().size(), false);
   const std::function<std::int64_t(std::size_t)> from = [&](std::size_t row) -> std::int64_t {
     if (row == weights.size()) return 0;
@@ -35,7 +35,7 @@ TEST(HeaviestMatching, IsTheBestOfAllChoices) {
     for (auto& row : weights) {
       for (std::int64_t& weight : row) weight = random.chance(60) ? random.between(1, 20) : 0;
     }
-    ASSERT_EQ(heaviest_matching(weights), tried(weights)) << "matrix " << i;
+    ASSERT_EQ(heaviest_matching(weights), best_of_all(weights)) << "matrix " << i;
   }
 }
 

@@ -179,11 +179,11 @@ TEST_F(Diff, LetsANameGoFromAResourceToAComponent) {
 }
 
 /// One edit of the sample and the line that it must give.
-struct Tried {
+struct EditAndLine {
   std::string what, by, line;
 };
 
-const Tried kTried[] = {
+const EditAndLine kEdits[] = {
     {"\"core.gain\": 0.5", "\"core.gain\": 0.25", "~ property left.core.gain: 0.5 -> 0.25"},
     {"\"x\": 1,", "\"x\": 3,",
      "~ property left.core.home: {\"x\":1,\"y\":2.5} -> {\"x\":3,\"y\":2.5}"},
@@ -206,7 +206,7 @@ TEST_F(Diff, OfAnyEditsHasTheirLinesAndNoOthers) {
   for (int round = 0; round < 200; ++round) {
     std::string text(sample::kArchitecture);
     std::vector<std::string> expected;
-    for (const Tried& one : kTried) {
+    for (const EditAndLine& one : kEdits) {
       if (random() % 3 != 0) continue;
       text = sample::with(one.what, one.by, text);
       expected.push_back(one.line);
@@ -219,7 +219,7 @@ TEST_F(Diff, IsEmptyWhenWhatRunsIsReadAgain) {
   std::mt19937 random(12);
   for (int round = 0; round < 100; ++round) {
     std::string text(sample::kArchitecture);
-    for (const Tried& one : kTried) {
+    for (const EditAndLine& one : kEdits) {
       if (random() % 2 == 0) text = sample::with(one.what, one.by, text);
     }
     running_ = made(text);

@@ -34,8 +34,8 @@ struct Wasteful : Plain {
 
 /// The core, and the cost of its second job.
 template <typename Core>
-struct Tried {
-  Tried() {
+struct Measured {
+  Measured() {
     EXPECT_TRUE(bench.configure());
     bench.give(bench.shell().target, 8.0);
     bench.core().update();
@@ -50,7 +50,7 @@ void skip_where_system_calls_are_not_counted(const JobCost& cost) {
 }
 
 TEST(JobCost, OfACoreThatKeepsTheRulesIsNothing) {
-  const Tried<Plain> plain;
+  const Measured<Plain> plain;
 
   EXPECT_EQ(plain.cost.heap_calls, 0U);
   EXPECT_EQ(plain.cost.page_faults, 0U);
@@ -59,7 +59,7 @@ TEST(JobCost, OfACoreThatKeepsTheRulesIsNothing) {
 }
 
 TEST(JobCost, CountsHeapCallsAndSystemCalls) {
-  Tried<Wasteful> wasteful;
+  Measured<Wasteful> wasteful;
 
   EXPECT_EQ(wasteful.bench.written(wasteful.bench.shell().command), 8.0) << "it works as ever";
   EXPECT_EQ(wasteful.cost.heap_calls, 2U);
