@@ -7,9 +7,6 @@
 
 namespace mauve::ctl {
 
-/// 0, or the code for the state after a change: rolled back 1, safe 9.
-[[nodiscard]] int exit_of(const Json& receipt);
-
 /// The options that were given, of those that several changes have: "--state drop" and the like.
 void add_options(const Session& session, Json& params);
 

@@ -128,9 +128,6 @@ std::string render_receipt(std::string_view done, const Json& receipt, Look look
   }
   const Json& components = member(receipt, "components");
   std::string text(done);
-  const std::string state = word(receipt, "state");
-  if (state == "rolled_back") text += ", but it was rolled back";
-  if (state == "safe") text += " only partly, the robot is in its safe state";
   double pause = 0;
   std::uint64_t missed = 0;
   for (const Json& one : components) {

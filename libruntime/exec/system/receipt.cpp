@@ -11,10 +11,6 @@ std::string_view to_string(ChangeState state) {
       return "unchanged";
     case ChangeState::applied:
       return "applied";
-    case ChangeState::rolled_back:
-      return "rolled_back";
-    case ChangeState::safe:
-      return "safe";
   }
   return "unknown";
 }

@@ -158,14 +158,6 @@ TEST(Apply, WithDryRunIsAPlan) {
   }
 }
 
-TEST(Apply, EndsAsTheChangeDid) {
-  Json result = kResult;
-  result["state"] = "rolled_back";
-  EXPECT_EQ(Scene({"apply", kFile}, result).outcome.exit, 1);
-  result["state"] = "safe";
-  EXPECT_EQ(Scene({"apply", kFile}, result).outcome.exit, 9);
-}
-
 TEST(Diff, EndsWith0ForTheSameAnd1ForAnother) {
   const Scene other({"diff", kFile}, kResult);
   EXPECT_EQ(other.asked[0].method, "architecture.diff");

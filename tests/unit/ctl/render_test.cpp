@@ -157,14 +157,6 @@ TEST(RenderReceipt, SaysWhenItTookSeveralAttempts) {
             "swapped control: pause 38 ns, 0 releases missed, 3 attempts (generation 42)\n");
 }
 
-TEST(RenderReceipt, SaysWhenItWasRolledBackOrPartly) {
-  EXPECT_NE(render_receipt("swapped control", receipt_with("state", "rolled_back"), {})
-                .find("rolled back"),
-            std::string::npos);
-  EXPECT_NE(render_receipt("swapped control", receipt_with("state", "safe"), {}).find("safe state"),
-            std::string::npos);
-}
-
 TEST(RenderReceipt, MayBeAboutNoComponent) {
   EXPECT_EQ(render_receipt("connected a to b", receipt_with("components", Json::array()), {}),
             "connected a to b (generation 42)\n");

@@ -96,11 +96,14 @@ TEST(SwapCore, PrintsTheReceiptAsOneLineOfJson) {
 }
 
 TEST(SwapCore, EndsWith9WhenTheRobotIsInItsSafeState) {
-  Json receipt = kSwapReceipt;
-  receipt["state"] = "safe";
-  EXPECT_EQ(Scene({"swap-core", "control", "b/c"}, receipt).outcome.exit, 9);
-  receipt["state"] = "rolled_back";
-  EXPECT_EQ(Scene({"swap-core", "control", "b/c"}, receipt).outcome.exit, 1);
+  FakeServer server([](Peer& peer) {
+    peer.say(kHello);
+    const auto fault = protocol::fault_of(refuse(Errc::hook_failed, "control", "no"), "safe");
+    peer.say(protocol::to_line(protocol::make_error(peer.hear().id, fault)) + "\n");
+    peer.wait_for_the_end();
+  });
+
+  EXPECT_EQ(run(server.path(), {"swap-core", "control", "b/c"}).exit, 9);
 }
 
 TEST(Set, SendsJsonWhereItIsAndTextElse) {

@@ -25,14 +25,12 @@ struct MemberReceipt {
   std::string converted = {};
 };
 
-/// The state in which a change leaves the system.
+/// The state in which a change leaves the system. A rollback is a later change of its own.
 enum class ChangeState : std::uint8_t {
-  unchanged,    ///< as before
-  applied,      ///< the change is in force
-  rolled_back,  ///< the bundles from before are in force again
-  safe,         ///< outputs have their safe values
+  unchanged,  ///< as before
+  applied,    ///< the change is in force
 };
-/// "unchanged", "applied", ...
+/// "unchanged", "applied".
 [[nodiscard]] std::string_view to_string(ChangeState state);
 
 /// Answer to every change.
