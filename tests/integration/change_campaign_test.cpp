@@ -337,7 +337,7 @@ class ChangeCampaign : public testing::Test {
       const std::string reason = row["reason"];
       std::printf("in quarantine: %s, %s\n", core.c_str(), reason.c_str());
       if (system.sound.contains(core)) {
-        EXPECT_THAT(reason, testing::StartsWith("did not return: its job ran longer than"));
+        EXPECT_THAT(reason, testing::StartsWith("hung: its job ran longer than"));
       }
       static_cast<void>(daemon.ask("quarantine.release", {{"core", core}}));
     }

@@ -140,7 +140,7 @@ TEST(Why, ACoreHungAndItsFallbackTookOver) {
   TrialDaemon daemon(trial_with("trial/hanging", R"({"on_fault": "fallback", "watchdog": "1s"})",
                                 R"("fallback_core": "trial/other",)"));
 
-  const auto said = why(daemon, "did not return");
+  const auto said = why(daemon, "hung");
 
   const auto& failure = said["failure"];
   EXPECT_EQ(said["state"], "running");

@@ -159,7 +159,7 @@ void add_status(Page& page, const std::vector<ComponentStatus>& all) {
        {"missed_releases_total", "Releases that never ran.", &ComponentStatus::missed},
        {"overruns_total", "Jobs that ended after their wait or deadline.",
         &ComponentStatus::overruns},
-       {"faults_total", "Jobs that threw, crashed or did not return.", &ComponentStatus::faults},
+       {"faults_total", "Jobs that threw, crashed or hung.", &ComponentStatus::faults},
        {"over_budget_total", "Jobs longer than the declared budget.",
         &ComponentStatus::over_budget}}};
   for (const auto& counter : kCounters) {

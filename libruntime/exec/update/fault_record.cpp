@@ -16,7 +16,7 @@ std::string_view to_string(Cause cause) {
     case Cause::crashed:
       return "crashed";
     case Cause::hung:
-      return "did not return";
+      return "hung";
     case Cause::asked:
       return "asked";
   }

@@ -71,6 +71,13 @@ TEST(Causes, AreFoundByTheirText) {
   EXPECT_EQ(exec::cause_of("unknown"), std::nullopt);
 }
 
+/// The three that a trace records are written in one word everywhere, so `explain` finds each.
+TEST(Causes, OfAJobHaveOneNameInTracesAndInTheLog) {
+  for (const auto cause : {exec::Cause::threw, exec::Cause::crashed, exec::Cause::hung}) {
+    EXPECT_EQ(to_string(cause), exec::word_of(cause));
+  }
+}
+
 TEST_F(FailuresTest, KnowNothingOfWhoNeverFailed) {
   EXPECT_EQ(failures.find("arm", history), nullptr);
   EXPECT_EQ(failures.last_change("arm"), nullptr);

@@ -41,7 +41,7 @@ struct Recovery {
 /// A failure of a component: the thread of the component recorded all of it when it happened.
 struct Incident {
   Instant time = 0;       ///< monotonic
-  std::string cause;      ///< "threw", "crashed", "did not return", ...
+  std::string cause;      ///< "threw", "crashed", "hung", ...
   std::string text;       ///< of the exception, or the like
   std::string core;       ///< the core that failed
   std::string state;      ///< of the state machine; empty: not known
@@ -64,7 +64,7 @@ struct ComponentStatus {
   std::uint64_t releases = 0;     ///< jobs that ran
   std::uint64_t missed = 0;       ///< releases that never ran, also those that are passing just now
   std::uint64_t overruns = 0;     ///< jobs that ended after their wait or deadline
-  std::uint64_t faults = 0;       ///< jobs that threw, crashed or did not return
+  std::uint64_t faults = 0;       ///< jobs that threw, crashed or hung
   std::uint64_t over_budget = 0;  ///< jobs longer than the declared budget, on the wall clock
   Duration lateness_max{0};       ///< of job starts
   Duration lateness_last{0};      ///< of the last job
