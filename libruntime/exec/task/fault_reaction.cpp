@@ -88,16 +88,21 @@ void FaultReaction::pass_release() {
 }
 
 void FaultReaction::fail(Cause cause) {
-  add<std::uint64_t>(task_.report.counters().faults, 1);
-  record(cause);
-  task_.report.record(TraceKind::fault, task_.report.fault().time, 0, 0,
-                      static_cast<std::uint32_t>(cause));
-  log_fault(cause);
+  report(cause);
   trigger_rollback();
   task_.failed.fail(cause, task_.clock.now());
   if (!may_recover()) return task_.park(ComponentState::faulted);
   task_.wait = task_.current->grid;
   task_.arm(task_.release + task_.wait.count());
+}
+
+/// Counts the failure and records it for status, trace and log.
+void FaultReaction::report(Cause cause) {
+  add<std::uint64_t>(task_.report.counters().faults, 1);
+  record(cause);
+  task_.report.record(TraceKind::fault, task_.report.fault().time, 0, 0,
+                      static_cast<std::uint32_t>(cause));
+  log_fault(cause);
 }
 
 void FaultReaction::log_fault(Cause cause) {
@@ -168,7 +173,7 @@ void FaultReaction::overran_too_often() {
 void FaultReaction::park_for_good(const char* why) {
   auto& text = task_.report.fault().text;
   std::snprintf(text.data(), text.size(), "%s", why);
-  record(Cause::hung);
+  report(Cause::hung);
   task_.park(ComponentState::faulted);
 }
 

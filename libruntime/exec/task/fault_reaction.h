@@ -49,6 +49,7 @@ class FaultReaction {
  private:
   [[nodiscard]] bool awaits_rollback() const;
   void record(Cause cause);
+  void report(Cause cause);
   void log_fault(Cause cause);
 
   TaskContext& task_;

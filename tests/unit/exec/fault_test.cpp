@@ -6,8 +6,12 @@
 #include <stdexcept>
 #include <thread>
 
+#include <gmock/gmock.h>
 #include <unistd.h>
 
+#include "exec/system/make_update.h"
+#include "exec/task/task.h"
+#include "exec/update/task_update.h"
 #include "rt/thread/run_guarded.h"
 #include "support/outcomes.h"
 #include "support/ramp.h"
@@ -204,6 +208,35 @@ TEST(EndOfAProcessDeathTest, LetsDriversActOnSafeValuesBefore) {
   EXPECT_EXIT((std::signal(SIGTERM, SIG_DFL), end_while_it_drives()),
               testing::KilledBySignal(SIGTERM),
               "the safe values of 1 components are written.*the motor stands");
+}
+
+/// The guard parks the task of an abandoned thread for which it gets no other thread.
+TEST(Fault, OfATaskWithoutAThreadIsCountedTracedAndLogged) {
+  constexpr Instant kT0 = 1'000'000'000;
+  ramp::Architecture architecture;
+  ASSERT_TRUE(architecture.control.configure());
+  const ManualClock clock{kT0};
+  exec::Task task{"control", clock};
+  task.begin(exec::first_bundle(architecture.control, Mode::run), kT0);
+
+  task.park_for_good("there is no new thread");
+
+  EXPECT_EQ(task.counters().state.load(), ComponentState::faulted);
+  EXPECT_EQ(task.counters().faults.load(), 1U);
+  EXPECT_STREQ(task.report().fault().text.data(), "there is no new thread");
+  std::vector<std::string> causes;
+  task.report().trace().ring.drain(
+      [&](const rt::TraceEntry& entry) {
+        if (entry.kind == TraceKind::fault) {
+          causes.emplace_back(exec::word_of(static_cast<exec::Cause>(entry.name)));
+        }
+      },
+      [](std::uint64_t /*lost*/) {});
+  EXPECT_THAT(causes, testing::ElementsAre("hung"));
+  rt::Event event;
+  ASSERT_TRUE(task.report().events().pop(event));
+  EXPECT_EQ(event.kind, rt::EventKind::faulted);
+  EXPECT_STREQ(event.text.data(), "there is no new thread");
 }
 
 }  // namespace
