@@ -21,12 +21,6 @@ constexpr int kFirstYear = 1970;
 constexpr int kLastYear = 2200;
 constexpr std::string_view kMessageIdPrefix = "6d9c1f5a2b7e4c0f9a3d5e8b71f0";
 
-std::int64_t monotonic_now() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
 const Field* find(const Fields& fields, std::string_view name) {
   const auto it =
       std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.name == name; });
@@ -121,8 +115,7 @@ std::string to_string(const Field::Value& value) {
 
 Record make_record(Event event, Fields fields) {
   Record record;
-  record.time = std::chrono::system_clock::now();
-  record.monotonic_ns = monotonic_now();
+  stamp(record);
   record.event = event;
   record.level = info(event).level;
   record.text = expand(info(event).text, fields);
@@ -132,6 +125,17 @@ Record make_record(Event event, Fields fields) {
   }
   record.fields = std::move(fields);
   return record;
+}
+
+std::int64_t monotonic_now() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+void stamp(Record& record) {
+  record.time = std::chrono::system_clock::now();
+  record.monotonic_ns = monotonic_now();
 }
 
 std::string utc(std::chrono::system_clock::time_point time) {

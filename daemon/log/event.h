@@ -70,6 +70,11 @@ struct Record {
 /// Record::component. `seq` is given by the log.
 [[nodiscard]] Record make_record(Event event, Fields fields);
 
+/// [any] CLOCK_MONOTONIC, in ns.
+[[nodiscard]] std::int64_t monotonic_now();
+/// [any] Its time is now.
+void stamp(Record& record);
+
 /// [any] "2024-05-01T12:00:00.123456Z".
 [[nodiscard]] std::string utc(std::chrono::system_clock::time_point time);
 

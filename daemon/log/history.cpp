@@ -66,6 +66,9 @@ std::vector<Record> History::tail_locked(std::size_t count, const Filter& filter
     }
   }
   std::reverse(out.begin(), out.end());
+  std::stable_sort(out.begin(), out.end(), [](const Record& a, const Record& b) {
+    return a.monotonic_ns < b.monotonic_ns;
+  });
   return out;
 }
 

@@ -38,7 +38,7 @@ class History {
   /// Keeps the record, drops the oldest one if full, and notifies the followers. [log]
   void add(const Record& record);
 
-  /// The newest `count` records that pass, oldest first.
+  /// The newest `count` records that pass, in the order of their times.
   [[nodiscard]] std::vector<Record> tail(std::size_t count, const Filter& filter) const;
 
   /// The records that are missing from the history.

@@ -2,6 +2,8 @@
 #include "log/log.h"
 
 #include <algorithm>
+#include <iterator>
+#include <limits>
 #include <utility>
 
 #include "base/mutex.h"
@@ -58,6 +60,7 @@ void Log::write(Record record) {
     ++lost_;
     return;
   }
+  stamp(record);  // here and not before the lock: the queue is in the order of time
   queue_.push_back(std::move(record));
   wake_.notify_one();
 }
@@ -77,9 +80,10 @@ void Log::flush() {
 }
 
 void Log::run() {
-  std::vector<Record> batch;
+  std::vector<Record> batch;  // begins with the records that the round before has held back
   for (bool last = false; !last;) {
     std::uint64_t lost = 0;
+    auto cut = std::numeric_limits<std::int64_t>::max();
     {
       MutexLock lock(mutex_);
       wake_.wait_for(lock, kPeriod, [this]() MAUVE_REQUIRES(mutex_) {
@@ -87,7 +91,11 @@ void Log::run() {
       });
       hurry_ = false;
       last = stopping_;
-      batch.swap(queue_);
+      if (!last) {
+        cut = monotonic_now();
+      }
+      std::move(queue_.begin(), queue_.end(), std::back_inserter(batch));
+      queue_.clear();
       lost = std::exchange(lost_, 0);
     }
     if (lost > 0) {
@@ -95,8 +103,7 @@ void Log::run() {
                                                        {"source", std::string("the daemon")}}));
     }
     look_at_levels(batch);
-    drain(batch);
-    batch.clear();
+    drain(batch, cut);
     {
       const MutexLock lock(mutex_);
       ++rounds_;
@@ -113,7 +120,9 @@ void Log::look_at_levels(std::vector<Record>& batch) {
   }
 }
 
-void Log::drain(std::vector<Record>& batch) {
+/// Records after the cut wait for the next round: the rings are emptied after the queue, so a
+/// record in the queue may be older than one from a ring.
+void Log::drain(std::vector<Record>& batch, std::int64_t cut) {
   {
     const MutexLock lock(source_mutex_);
     if (source_) {
@@ -123,14 +132,15 @@ void Log::drain(std::vector<Record>& batch) {
   std::stable_sort(batch.begin(), batch.end(), [](const Record& a, const Record& b) {
     return a.monotonic_ns < b.monotonic_ns;
   });
-  for (auto& record : batch) {
-    deliver(std::move(record));
-  }
-  if (!batch.empty()) {
+  const auto end = std::find_if(batch.begin(), batch.end(),
+                                [&](const Record& record) { return record.monotonic_ns > cut; });
+  std::for_each(batch.begin(), end, [&](Record& record) { deliver(std::move(record)); });
+  if (end != batch.begin()) {
     for (auto& sink : sinks_) {
       sink->flush();
     }
   }
+  batch.erase(batch.begin(), end);
 }
 
 void Log::deliver(Record record) {

@@ -21,6 +21,9 @@ namespace mauve::logging {
 ///
 /// Real-time threads do not call it. They write into rings of their own; a Source empties those
 /// rings on the [log] thread, 50 times a second.
+///
+/// The sinks get the records in the order of their times. An exception is the message of a core: it
+/// has the time at which its job started, and may come after younger records while the job lasts.
 class Log {
  public:
   /// Empties the rings: calls `take` once for each event found. [log]
@@ -41,7 +44,8 @@ class Log {
   /// Sets or (empty) removes the source. After the return the old one is not called any more. [any]
   void set_source(Source source);
 
-  /// Reports an event. Allocates, takes an ordinary mutex: not for real-time threads. [any]
+  /// Reports an event, which gets the time of this call. Allocates, takes an ordinary mutex: not
+  /// for real-time threads. [any]
   void write(Event event, Fields fields = {});
   void write(Record record);
 
@@ -58,7 +62,7 @@ class Log {
 
  private:
   void run();
-  void drain(std::vector<Record>& batch);
+  void drain(std::vector<Record>& batch, std::int64_t cut);
   void deliver(Record record);
   void look_at_levels(std::vector<Record>& batch);
   [[nodiscard]] bool passes(const Record& record) const;

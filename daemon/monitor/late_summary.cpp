@@ -69,6 +69,7 @@ std::vector<RuntimeEvent> LateSummary::finish(const std::string& component, Inst
 /// "12 more releases missed in 10 s, 40 in all"
 RuntimeEvent LateSummary::summary(Counted& counted, Instant now) {
   RuntimeEvent line = counted.last;
+  line.time = now;
   const bool one = counted.more == 1;
   const auto* const missed = one ? " more release missed" : " more releases missed";
   const auto* const late = one ? " more job ended late" : " more jobs ended late";

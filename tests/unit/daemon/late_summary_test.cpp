@@ -27,6 +27,7 @@ TEST(LateSummary, ReportsTheFirstMissAtOnceAndTheOthersInOneLine) {
   EXPECT_EQ(lines[0].component, "arm");
   EXPECT_EQ(lines[0].event, "missed");
   EXPECT_EQ(lines[0].text, "24 more releases missed in 10 s, 25 in all");
+  EXPECT_EQ(lines[0].time, 11 * kSummarySecond) << "not that of the last miss";
   EXPECT_TRUE(summary.due(12 * kSummarySecond).empty()) << "once";
 }
 

@@ -155,21 +155,45 @@ TEST_F(LogTest, LeavesOutWhatIsBelowItsLevel) {
 }
 
 TEST_F(LogTest, MergesTheSourceByTime) {
-  const auto now = make_record(Event::accept_paused, {});
-  auto earlier = make_record(Event::missed, {{"component", std::string("arm")}});
-  earlier.monotonic_ns = now.monotonic_ns - 1000;
+  auto earlier = make_record(Event::missed, {{"text", std::string("earlier")}});
   std::atomic<bool> empty{false};
+  log.write(Event::missed, {{"text", std::string("later")}});
   log.set_source([&](const auto& take) {
     if (!empty.exchange(true)) {
       take(earlier);
     }
   });
-  log.write(now);
 
   const auto all = texts();
 
-  ASSERT_EQ(all.size(), 2U);
+  EXPECT_THAT(all, testing::UnorderedElementsAre("earlier", "later"));
+  const auto tail = log.history().tail(2, {});
+  ASSERT_EQ(tail.size(), 2U);
+  EXPECT_EQ(tail[0].text, "earlier") << "in whichever round it came";
   log.set_source({});
+}
+
+TEST_F(LogTest, HoldsARecordOfARingBackThatIsYoungerThanOneInTheQueue) {
+  std::atomic<bool> empty{false};
+  log.set_source([&](const auto& take) {
+    if (!empty.exchange(true)) {
+      log.write(Event::missed, {{"text", std::string("older")}});
+      take(make_record(Event::missed, {{"text", std::string("younger")}}));
+    }
+  });
+
+  EXPECT_THAT(texts(), testing::ElementsAre("older", "younger"));
+  log.set_source({});
+}
+
+TEST_F(LogTest, StampsARecordWhenItJoinsTheQueue) {
+  const auto before = make_record(Event::accept_paused, {});
+  log.write(Event::accept_resumed);
+  log.write(before);
+
+  EXPECT_THAT(texts(), testing::ElementsAre("new clients are accepted again",
+                                            "no descriptor left: new clients have to wait"));
+  EXPECT_LT(seen->records[0].monotonic_ns, seen->records[1].monotonic_ns);
 }
 
 TEST_F(LogTest, KeepsTheLastRecordsForTheTail) {
