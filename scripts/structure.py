@@ -78,7 +78,7 @@ STRAYS = {
     "ctl/top/top_keys.cpp": 2,
     "ctl/top/top_rows.cpp": 4,
     "daemon/check.cpp": 1,
-    "daemon/commands/change/kept.cpp": 2,
+    "daemon/commands/change/kept.cpp": 1,
     "daemon/commands/change/reload.cpp": 1,
     "daemon/commands/change/stop.cpp": 1,
     "daemon/commands/config.cpp": 1,

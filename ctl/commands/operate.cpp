@@ -22,10 +22,6 @@ std::string render_use(std::string_view done, const Json& result, Look look) {
   std::string text = std::string(done) + " " + word(result, "service");
   if (result.contains("result")) text += " = " + harmless(compact(member(result, "result")));
   text += "\n";
-  for (const Json& one : list_in(result, "kept")) {
-    text += "  " + word(one, "address") + " is " + word(one, "value") +
-            ": the value given does not name it\n";
-  }
   std::string users;
   for (const Json& user : list_in(result, "users")) join(users, harmless(compact(user)));
   if (!users.empty() && word(result, "kind") == "write") {

@@ -291,8 +291,10 @@ void play_and_record(const std::filesystem::path& recording, const std::filesyst
     return std::count(text.begin(), text.end(), '\n');
   };
   // A value of our own until it is seen: from then on nothing is lost.
+  const std::string own =
+      R"({"time": 0, "x": -77.0, "y": 0, "heading": 0, "linear": 0, "angular": 0})";
   ASSERT_TRUE(eventually([&] {
-    static_cast<void>(daemon.ask({"write", "odometry.write", R"({"x": -77.0})"}));
+    static_cast<void>(daemon.ask({"write", "odometry.write", own}));
     return lines() > 1;
   })) << daemon.errors();
   static_cast<void>(daemon.ask({"start", "player"}));

@@ -86,6 +86,22 @@ TEST(SetOfAStructure, SaysWhichFieldsItKeptAndNamesPropertyAndFieldsWhenItIsRefu
   EXPECT_EQ(nested["data"]["where"], "meter.core.mark.count") << nested;
 }
 
+TEST(SetOfAStructure, IsRefusedWhenAnItemOfAnArrayLeavesOutAField) {
+  Operated daemon(wide());
+  const auto whole = daemon.ctl({"set", R"(meter.core.marks=[{"spare":1,"count":2}])"});
+  ASSERT_EQ(whole.exit, 0) << errors_of(daemon);
+  const auto items = Json::array({{{"spare", 3}}, {{"spare", 4}, {"count", 5}}});
+  const auto steps = Json::array({{{"set", "meter.core.marks"}, {"value", items}}});
+
+  const auto error = daemon.ask("param.set", {{"values", {{"meter.core.marks", items}}}});
+  const auto step = daemon.ask("change.apply", {{"text", steps.dump()}});
+
+  EXPECT_EQ(error["data"]["id"], "fields_missing") << error;
+  EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("leaves out the field [0].count"));
+  EXPECT_THAT(step.dump(), HasSubstr("leaves out the field [0].count"));
+  EXPECT_EQ(daemon.value("meter.core.marks"), Json::array({{{"spare", 1.0}, {"count", 2}}}));
+}
+
 TEST(ConnectReplace, ExchangesTheConnectionInOneChange) {
   Operated daemon(wide());
   const auto before = generation(daemon).get<int>();
@@ -219,6 +235,18 @@ TEST(WriteFromTheShell, IsRefusedWithTheTypesOfTheService) {
   EXPECT_EQ(kind["data"]["where"], "spare.write") << kind;
   EXPECT_THAT(count["message"].get<std::string>(), HasSubstr("takes 1 argument, got 0"));
   EXPECT_EQ(reads["data"]["hint"], "mauvectl get spare.read reads it");
+}
+
+TEST(WriteFromTheShell, IsRefusedWithTheFieldsThatTheValueLeavesOut) {
+  Operated daemon(wide());
+  ASSERT_EQ(daemon.ctl({"write", "meter.stamp", R"({"spare":1,"count":7})"}).exit, 0);
+
+  const auto said = daemon.ctl({"write", "meter.stamp", R"({"spare":2})"});
+
+  EXPECT_EQ(said.exit, 1);
+  EXPECT_THAT(errors_of(daemon), HasSubstr("leaves out the field count of trial_memory/2"));
+  EXPECT_THAT(errors_of(daemon), HasSubstr(R"(a whole value: '{"spare":2,"count":0}')"));
+  EXPECT_EQ(daemon.value("meter.core.stamped"), 7) << "nothing was written";
 }
 
 TEST(WaitForACondition, EndsWhenItHoldsAndWithExitCodeThreeWhenTheTimePasses) {

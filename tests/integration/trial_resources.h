@@ -62,15 +62,19 @@ class MeterCore final : public mauve::Core<mauve::EmptyShell> {
     }
   }
   double limit() { return breaks_at.get(); }
+  void stamp(const MemoryV2& value) { stamped = value.count; }
 
  private:
   mauve::Stateless stateless_{*this};
   mauve::Property<double> breaks_at{*this, "breaks_at", 4.0, "hangs when it is given this value"};
   mauve::Property<MemoryV2> mark{*this, "mark", {}, "a structure"};
+  mauve::Property<mauve::Bounded<MemoryV2, 4>> marks{*this, "marks", {}, "several structures"};
+  mauve::Observable<std::int64_t> stamped{*this, "stamped", 0, "the count of the last stamp"};
 };
 struct MeterInterface : mauve::Interface<MeterCore> {
   mauve::WriteService<double> write{*this, "write", &MeterCore::note};
   mauve::ReadService<double> read{*this, "read", &MeterCore::limit};
+  mauve::WriteService<MemoryV2> stamp{*this, "stamp", &MeterCore::stamp};
 };
 
 /// A resource that counts what it is given, and shows which build it is of.

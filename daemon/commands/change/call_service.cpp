@@ -4,6 +4,7 @@
 #include <memory>
 #include <new>
 
+#include "arch/parse/missing_fields.h"
 #include "arch/text/value_json.h"
 #include "commands/answer.h"
 #include "commands/change/change.h"
@@ -65,19 +66,23 @@ bool can_be_given(const DataType& type) {
   return type.flat && type.from_value != nullptr && type.construct != nullptr;
 }
 
-Status fill(const std::string& at, const Json& json, const Room& room, Json& kept) {
-  const auto value = arch::from_json(json);
-  Status done = value ? room.type().from_value(*value, room.data()) : Status(value.error());
-  if (!done) {
-    return detail::inside(std::move(done), at);
-  }
-  if (room.type().to_value != nullptr) {
-    add_kept(at, *value, room.type().to_value(room.data()), kept);
-  }
-  return ok();
+/// A value in which each field that `room` was not given has its default.
+std::string whole_value(const std::string& at, const Room& room) {
+  constexpr std::size_t kShown = 300;
+  const auto& type = room.type();
+  const auto text = type.to_value == nullptr ? "" : to_string(type.to_value(room.data()));
+  return text.empty() || text.size() > kShown ? "mauvectl show " + at + " names its type"
+                                              : "a whole value: '" + text + "'";
 }
 
-Result<Rooms> rooms_for(const ServiceBase& service, const Json& given, Json& kept) {
+Status fill(const std::string& at, const Json& json, const Room& room) {
+  const auto value = arch::from_json(json);
+  Status done = value ? room.type().from_value(*value, room.data()) : Status(value.error());
+  return done ? arch::names_all_fields(at, room.type(), *value, whole_value(at, room))
+              : detail::inside(std::move(done), at);
+}
+
+Result<Rooms> rooms_for(const ServiceBase& service, const Json& given) {
   const auto types = arguments_of(service.signature());
   const auto address = service.address();
   if (given.size() != types.size()) {
@@ -95,7 +100,7 @@ Result<Rooms> rooms_for(const ServiceBase& service, const Json& given, Json& kep
     }
     rooms.push_back(std::make_unique<Room>(*types[i]));
     const auto at = types.size() == 1 ? address : address + "[" + std::to_string(i) + "]";
-    if (auto done = fill(at, given[i], *rooms.back(), kept); !done) {
+    if (auto done = fill(at, given[i], *rooms.back()); !done) {
       return done.error();
     }
   }
@@ -182,9 +187,8 @@ void call_service(Running& running, const CallPtr& call, Ticket /*none*/) {
   if (auto alone = check_writer(running, **service); !alone) {
     return answer(running, *call, alone.error());
   }
-  auto kept = Json::array();
   const auto given = call->params.value("arguments", Json::array());
-  const auto rooms = rooms_for(**service, given, kept);
+  const auto rooms = rooms_for(**service, given);
   const auto room = room_for_result(**service);
   if (!rooms || !room) {
     return answer(running, *call, !rooms ? rooms.error() : room.error());
@@ -201,9 +205,6 @@ void call_service(Running& running, const CallPtr& call, Ticket /*none*/) {
                   {"generation", running.generation.load()}};
   if (result != nullptr) {
     receipt["result"] = arch::to_json((*room)->type().to_value(result));
-  }
-  if (!kept.empty()) {
-    receipt["kept"] = std::move(kept);
   }
   answer(running, *call, std::move(receipt));
 }

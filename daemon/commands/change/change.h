@@ -51,8 +51,6 @@ void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
 
 /// [control] The differences that a prepared change makes.
 [[nodiscard]] std::vector<arch::Line> lines_of(const Running& running, PreparedChange& change);
-/// [any] Appends the fields of `now` that `given` does not name: {"address","value"}.
-void add_kept(const std::string& address, const Value& given, const Value& now, Json& kept);
 
 /// [control] A structure may be given partly: which of its fields kept their values, as `kept`.
 void say_kept(const Running& running, const Change& change, Json& result);

@@ -9,6 +9,9 @@
 
 namespace mauve::daemon {
 
+namespace {
+
+/// Appends the fields of `now` that `given` does not name: {"address","value"}.
 void add_kept(const std::string& address, const Value& given, const Value& now, Json& kept) {
   const auto* members = now.get_if<Value::Object>();
   if (members == nullptr || given.get_if<Value::Object>() == nullptr) {
@@ -23,6 +26,8 @@ void add_kept(const std::string& address, const Value& given, const Value& now, 
     }
   }
 }
+
+}  // namespace
 
 void say_kept(const Running& running, const Change& change, Json& result) {
   MAUVE_ON_THREAD(control);

@@ -62,6 +62,11 @@ Error no_property(const Step& step, const Configurable& core, std::string_view n
                 "the new core has no property of this name", known_names(name, names));
 }
 
+Status accepts(const PropertyBase& property, const Step& step) {
+  Status good = property.accepts(step.value);
+  return good ? items_name_all_fields(step.subject, property.type(), step.value) : good;
+}
+
 /// Of a core that the same transaction puts in place.
 Status check_set_on(const CoreType& type, const Step& step) {
   std::shared_ptr<CoreBase> core;
@@ -69,8 +74,7 @@ Status check_set_on(const CoreType& type, const Step& step) {
   if (Status made = make_element(address + ".core", type.make, core); !made) return made;
   const std::string_view name = std::string_view(step.subject).substr(address.size() + 6);
   const PropertyBase* property = core->find_property(name);
-  return property == nullptr ? Status(no_property(step, *core, name))
-                             : property->accepts(step.value);
+  return property == nullptr ? Status(no_property(step, *core, name)) : accepts(*property, step);
 }
 
 Status check_set(const TransactionSpec& transaction, const Built& built, const Step& step) {
@@ -91,7 +95,7 @@ Status check_set(const TransactionSpec& transaction, const Built& built, const S
     return refuse({Errc::unsupported, "resource_property_fixed"}, step.subject,
                   "of a resource only properties of its core can change while it runs");
   }
-  return target->property->accepts(step.value);
+  return accepts(*target->property, step);
 }
 
 Status check(const TransactionSpec& transaction, const Built& built, const Step& step) {
