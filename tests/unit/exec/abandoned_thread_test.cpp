@@ -127,7 +127,7 @@ TEST_F(LostThread, IsInAResourceThatMayLeave) {
   ASSERT_TRUE(is_faulted(deployer_, "left"));
   Change change;
   for (const char* component : {"left", "right"}) {
-    change.edits.emplace_back().component = component;
+    change.edits.emplace_back().member = component;
     change.edits.back().disconnect = {"out"};
   }
   change.remove = {"meter"};
