@@ -34,7 +34,7 @@ class Mailbox {
     return quiescent_count_.load(std::memory_order_acquire);
   }
 
-  // --- [control] and the task: the coordinator withdraws the update that it claims -----------------
+  // --- [control] and the task: the coordinator withdraws the update that it claims ---------------
   /// Empties the slot of the next update; the caller owns the update. False: the other side claimed
   /// it first.
   bool claim(TaskUpdate& next) { return empty(pending_, next); }
