@@ -32,9 +32,13 @@ using std::chrono::milliseconds;
 constexpr milliseconds kStatusEvery{2'000};
 constexpr int kBeatsInAWatchdog = 4;
 constexpr Duration kComponentsMayTake = 2s;
+/// So much longer when their threads are not real-time: a loaded machine keeps such a thread
+/// waiting.
+constexpr Duration kOrdinaryMayTake = 4s;
 constexpr milliseconds kLastAnswers{500};
-/// All of the above, the change under way (its commit is bounded too), and some air.
-constexpr milliseconds kWholeEndMayTake{8'000};
+/// All of the above, the change under way (its commit is bounded too), and some air: less than
+/// TimeoutStopSec= in the unit.
+constexpr milliseconds kWholeEndMayTake{12'000};
 constexpr milliseconds kCrashHandlerMayTake{150};
 /// Exit code when code of a plugin called exit(0): a service manager starts mauved again.
 constexpr int kUnexpectedEnd = 70;
@@ -368,7 +372,7 @@ std::vector<std::string> Daemon::stop_components() {
   stopper_.watch(order);
   control_.urgent([&] {
     order->begin();
-    stopped.set_value(deployer_->shutdown(kComponentsMayTake));
+    stopped.set_value(deployer_->shutdown(kComponentsMayTake, kOrdinaryMayTake));
     control_.halt();
   });
   return stopped.get_future().get();

@@ -55,8 +55,8 @@ Deployer::~Deployer() { shutdown(); }
 
 Status Deployer::deploy() { return exec::bring_up(*system_); }
 
-std::vector<std::string> Deployer::shutdown(Duration bound) {
-  return exec::bring_down(*system_, bound);
+std::vector<std::string> Deployer::shutdown(Duration bound, Duration ordinary) {
+  return exec::bring_down(*system_, bound, ordinary);
 }
 
 Instant Deployer::t0() const { return system_->t0; }

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "exec/commit/under_way.h"
 #include "exec/deploy/stop.h"
 #include "model/job/keep_for_abandoned.h"
 
@@ -17,18 +18,33 @@ constexpr Duration kShortestPatience = 100ms;
 
 }  // namespace
 
-std::vector<std::string> bring_down(System& system, Duration bound) {
+std::vector<std::string> bring_down(System& system, Duration bound, Duration ordinary) {
   std::vector<std::string> abandoned;
   if (!system.up) return abandoned;
   system.up = false;
   const Instant deadline = system.runner->now() + bound.count();
+  const Instant ordinary_deadline = deadline + ordinary.count();
   Stop stop(system, in_order_of_safe_values(system), patience_within(bound));
   // Ends by itself: every step of it is bounded.
   static_cast<void>(system.runner->await([&] { return stop.advance(); }, kNever));
+  const auto is_stuck = [&](const Deployed& one) {
+    return stop.hung().count(&one) != 0 && one.state() == ComponentState::running;
+  };
+  // The machine may keep an ordinary thread from its processor. When the thread runs, it parks and
+  // writes its safe values, which were written on its behalf before.
+  if (ordinary > Duration{0}) {
+    const auto all_park = [&] {
+      advance(system);
+      return std::none_of(system.deployed.begin(), system.deployed.end(),
+                          [&](const Deployed& one) { return !one.realtime && is_stuck(one); });
+    };
+    static_cast<void>(system.runner->await(all_park, ordinary_deadline));
+  }
   for (Deployed& deployed : system.deployed) {
-    const bool stuck = stop.hung().count(&deployed) != 0;
     const Instant now = system.runner->now();
-    const Instant until = stuck ? now : std::max(deadline, now + kShortestPatience.count());
+    const Instant limit = deployed.realtime ? deadline : ordinary_deadline;
+    const Instant until =
+        is_stuck(deployed) ? now : std::max(limit, now + kShortestPatience.count());
     const bool ended = system.runner->end(*deployed.task, until);
     deployed.ended = ended && !system.runner->has_abandoned(deployed.task.get());
     if (deployed.ended) continue;

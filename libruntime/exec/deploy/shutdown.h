@@ -12,7 +12,8 @@ namespace mauve::exec {
 class System;
 
 /// shutdown(): see Deployer.
-std::vector<std::string> bring_down(System& system, Duration bound);
+std::vector<std::string> bring_down(System& system, Duration bound,
+                                    Duration ordinary = Duration{0});
 
 /// How long a stop waits for one component, so that the whole stop takes little longer than
 /// `bound`.

@@ -2,6 +2,7 @@
 /// Deployment on real threads; assertions on counts and the logical clock only.
 #include <gtest/gtest.h>
 
+#include <future>
 #include <thread>
 
 #include "support/eventually.h"
@@ -150,6 +151,7 @@ TEST(Deployer, LetsAComponentJoinThatWaitsForTheNextReleaseOfItsGrid) {
 struct Hanging : ramp::Up {
   void update() override {
     while (!released().load()) std::this_thread::sleep_for(1ms);
+    shell().out.write(5.0);
   }
   static std::atomic<bool>& released() {
     static std::atomic<bool> flag{false};
@@ -360,6 +362,16 @@ TEST(Deployer, ShutsDownInBoundedTimeAndWritesSafeValuesForACoreThatHangs) {
 
   EXPECT_EQ(abandoned_threads, std::vector<std::string>{"control"}) << "the other one is well";
   EXPECT_EQ(ramp::read(architecture->position), -1.0);
+}
+
+TEST_F(HangingDeployer, IsNotAbandonedWhenItIsOnlyLateOnAnOrdinaryThread) {
+  auto names =
+      std::async(std::launch::async, [this] { return deployer.shutdown(1ms, test::kPatience); });
+  EXPECT_TRUE(eventually([&] { return ramp::read(architecture.position) == -1.0; }));
+  Hanging::released() = true;  // only when its safe value was written on its behalf
+  EXPECT_TRUE(names.get().empty());
+  EXPECT_EQ(deployer.status("control").state, ComponentState::stopped);
+  EXPECT_EQ(ramp::read(architecture.position), -1.0);
 }
 
 TEST(Deployer, RefusesACpuThatTheMachineDoesNotHave) {

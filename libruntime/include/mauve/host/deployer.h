@@ -54,8 +54,10 @@ class Deployer {
   Status deploy();
   /// Stops writers before readers so that safe values still reach the hardware, then ends all
   /// threads. Never longer than `bound`: a core that hangs is abandoned, its safe values written
-  /// on its behalf; the names of such components are returned.
-  std::vector<std::string> shutdown(Duration bound = 2s);
+  /// on its behalf; the names of such components are returned. A component whose thread is not
+  /// real-time may be late because the machine is loaded: once its safe values are written, it has
+  /// `ordinary` more before it is abandoned.
+  std::vector<std::string> shutdown(Duration bound = 2s, Duration ordinary = Duration{0});
 
   [[nodiscard]] Instant t0() const;          ///< the common T0, monotonic
   [[nodiscard]] const Clock& clock() const;  ///< of the releases
