@@ -70,9 +70,4 @@ inline constexpr std::string_view kUndone = "undone";
 [[nodiscard]] Result<std::optional<Probation>> probation_of(const Json& params);
 [[nodiscard]] Json to_json(const Probation& probation);
 
-/// [control] A change of all elements that run code of the plugin. The types in force stand for
-/// those to come.
-[[nodiscard]] Change members_of(const Running& running, const std::string& plugin,
-                                StatePolicy state);
-
 }  // namespace mauve::daemon

@@ -8,6 +8,7 @@
 
 #include "base/thread_role.h"
 #include "commands/change/change.h"
+#include "commands/change/plugin_members.h"
 #include "commands/change/trial.h"
 #include "commands/lock.h"
 #include "commands/recovery/abandoned.h"

@@ -14,6 +14,7 @@
 #include "arch/text/value_json.h"
 #include "commands/answer.h"
 #include "commands/change/change.h"
+#include "commands/change/plugin_members.h"
 #include "commands/change/policies.h"
 #include "commands/change/trial.h"
 #include "commands/lock.h"
@@ -35,7 +36,7 @@ using plugin::LoadedPlugin;
 
 struct Reload {
   std::string name;
-  Change change;  ///< types are filled in by [factory], also of the fallback cores
+  Change change;  ///< [factory] fills in the types, see take_new_types()
   std::optional<Result<LoadedPlugin>> loaded;
   std::optional<Result<PreparedChange>> prepared;
   std::optional<Retired> retired{std::in_place};
@@ -46,36 +47,6 @@ struct Reload {
 };
 using ReloadPtr = std::shared_ptr<Reload>;
 
-template <typename T>
-Status take_new(const std::map<std::string, T, std::less<>>& offered, std::optional<T>& type,
-                const std::string& component) {
-  if (!type) {
-    return ok();
-  }
-  const auto found = offered.find(type->name);
-  if (found == offered.end()) {
-    return refuse({Errc::plugin_refused, "plugin_lacks_used_core"}, component,
-                  "runs " + type->name + ", which the new file does not have any more",
-                  "swap it for another one first");
-  }
-  type = found->second;
-  return ok();
-}
-
-Status take_new_fallbacks(const LoadedPlugin& offered, Reload& reload) {
-  for (auto& [component, fallback] : reload.change.fallbacks) {
-    const auto found = offered.cores.find(fallback->core.name);
-    if (found == offered.cores.end()) {
-      return refuse(
-          {Errc::plugin_refused, "plugin_lacks_used_core"}, component,
-          "falls back on " + fallback->core.name + ", which the new file does not have any more",
-          "name another fallback_core in the file and apply it first");
-    }
-    fallback->core = found->second;
-  }
-  return ok();
-}
-
 /// [factory]
 void prepare(Running& running, Reload& reload) {
   reload.loaded = running.catalog.prepare_load(reload.name);
@@ -83,26 +54,9 @@ void prepare(Running& running, Reload& reload) {
     reload.prepared = reload.loaded->error();
     return;
   }
-  const auto& offered = **reload.loaded;
-  if (auto found = take_new_fallbacks(offered, reload); !found) {
+  if (auto found = take_new_types(**reload.loaded, reload.change); !found) {
     reload.prepared = found.error();
     return;
-  }
-  for (auto& edit : reload.change.edits) {
-    auto found = take_new(offered.cores, edit.core, edit.member);
-    if (found) {
-      found = take_new(offered.fsms, edit.fsm, edit.member);
-    }
-    if (found) {
-      found = take_new(offered.components, edit.type, edit.member);
-    }
-    if (found) {
-      found = take_new(offered.resources, edit.resource, edit.member);
-    }
-    if (!found) {
-      reload.prepared = found.error();
-      return;
-    }
   }
   if (!reload.change.edits.empty()) {
     reload.prepared = running.deployer.prepare(reload.change);
@@ -320,42 +274,6 @@ void reload_in_factory(Running& running, const CallPtr& call, ReloadPtr reload, 
 }
 
 }  // namespace
-
-Change members_of(const Running& running, const std::string& plugin, StatePolicy state) {
-  Change change;
-  for (const auto* component : running.architecture.components()) {
-    const auto& bundle = *component->bundle();
-    auto edit = edit_of(component->name());
-    edit.state = state;
-    if (plugin_of(bundle.core_type.name) == plugin) {
-      edit.core = bundle.core_type;
-    }
-    if (plugin_of(bundle.fsm_type.name) == plugin) {
-      edit.fsm = bundle.fsm_type;
-    }
-    if (plugin_of(component->type().name) == plugin) {
-      edit.type = component->type();
-    }
-    if (const auto& fallback = component->fallback();
-        fallback && plugin_of(fallback->core.name) == plugin) {
-      edit.task = bundle.task;  // it takes part, so that a standby core of the old build goes
-      change.fallbacks.push_back({component->name(), fallback});
-    }
-    if (edit.core || edit.fsm || edit.type || edit.task) {
-      change.edits.push_back(std::move(edit));
-    }
-  }
-  for (const auto* resource : running.architecture.resources()) {
-    if (plugin_of(resource->type().name) != plugin) {
-      continue;
-    }
-    auto edit = edit_of(resource->name());
-    edit.state = state;
-    edit.resource = resource->type();
-    change.edits.push_back(std::move(edit));
-  }
-  return change;
-}
 
 void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
   auto reload = std::make_shared<Reload>();
