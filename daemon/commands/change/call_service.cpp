@@ -4,7 +4,6 @@
 #include <memory>
 #include <new>
 
-#include "arch/parse/missing_fields.h"
 #include "arch/text/value_json.h"
 #include "commands/answer.h"
 #include "commands/change/change.h"
@@ -15,6 +14,7 @@
 #include "mauve/host/resource.h"
 #include "mauve/service.h"
 #include "model/component/wiring.h"
+#include "model/element/missing_fields.h"
 #include "model/job/look_outside.h"
 
 namespace mauve::daemon {
@@ -67,18 +67,18 @@ bool can_be_given(const DataType& type) {
 }
 
 /// A value in which each field that `room` was not given has its default.
-std::string whole_value(const std::string& at, const Room& room) {
+std::string whole_value(const Room& room) {
   constexpr std::size_t kShown = 300;
   const auto& type = room.type();
   const auto text = type.to_value == nullptr ? "" : to_string(type.to_value(room.data()));
-  return text.empty() || text.size() > kShown ? "mauvectl show " + at + " names its type"
+  return text.empty() || text.size() > kShown ? "mauvectl show " + type.name + " lists them"
                                               : "a whole value: '" + text + "'";
 }
 
 Status fill(const std::string& at, const Json& json, const Room& room) {
   const auto value = arch::from_json(json);
   Status done = value ? room.type().from_value(*value, room.data()) : Status(value.error());
-  return done ? arch::names_all_fields(at, room.type(), *value, whole_value(at, room))
+  return done ? names_all_fields(at, room.type(), *value, whole_value(room))
               : detail::inside(std::move(done), at);
 }
 

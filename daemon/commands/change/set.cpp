@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "arch/compare/task_attributes.h"
-#include "arch/parse/missing_fields.h"
 #include "arch/text/value_json.h"
 #include "commands/answer.h"
 #include "commands/change/change.h"
@@ -35,11 +34,7 @@ Result<Value> accepted_value(const Running& running, const std::string& address,
     value.error().at = address;
     return value.error();
   }
-  auto good = target->property->accepts(*value);
-  if (good) {
-    good = arch::items_name_all_fields(address, target->property->type(), *value);
-  }
-  if (!good) {
+  if (auto good = target->property->accepts(*value); !good) {
     return good.error();
   }
   return value;

@@ -9,6 +9,7 @@
 #include "base/name.h"
 #include "mauve/host/architecture.h"
 #include "model/element/elements.h"
+#include "model/element/missing_fields.h"
 #include "model/port/connection.h"
 #include "model/resource/resource_graph.h"
 #include "plugin/load/catalog.h"

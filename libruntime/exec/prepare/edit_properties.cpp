@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/name.h"
+#include "model/element/missing_fields.h"
 
 #include <mauve/property.h>
 
@@ -103,6 +104,8 @@ Status set_properties(const Edit& edit, std::string_view name, Configurable& ele
     if (found == nullptr) return no_property(element, property);
     if (Status allowed = edit.allows ? edit.allows(*found, value) : ok(); !allowed) return allowed;
     if (Status done = found->set(value); !done) return done;
+    const Status whole = items_name_all_fields(found->address(), found->type(), value);
+    if (!whole) return whole;
   }
   return ok();
 }

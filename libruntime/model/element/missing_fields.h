@@ -4,10 +4,10 @@
 
 #include <string>
 
-#include "mauve/result.h"
-#include "mauve/type.h"
+#include <mauve/result.h>
+#include <mauve/type.h>
 
-namespace mauve::arch {
+namespace mauve {
 
 /// For a value that replaces nothing, such as one that a client writes to a service: refused unless
 /// it names all fields of its type. `hint` says how a whole value is found.
@@ -19,4 +19,4 @@ namespace mauve::arch {
 [[nodiscard]] Status items_name_all_fields(const std::string& at, const DataType& type,
                                            const Value& given);
 
-}  // namespace mauve::arch
+}  // namespace mauve

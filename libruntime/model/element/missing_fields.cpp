@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "arch/parse/missing_fields.h"
+#include "model/element/missing_fields.h"
 
 #include <string_view>
 #include <vector>
 
-namespace mauve::arch {
+namespace mauve {
 namespace {
 
 using Names = std::vector<std::string>;
@@ -46,10 +46,13 @@ std::string in_words(const Names& names) {
 Status refuse_missing(const std::string& at, const DataType& type, const Value& given, bool whole,
                       const std::string& hint) {
   Names names;
-  if (type.describe != nullptr) add_missing("", type.describe(), given, whole, names);
+  const Value kind = type.describe == nullptr ? Value() : type.describe();
+  add_missing("", kind, given, whole, names);
   if (names.empty()) return ok();
+  const bool has_name = kind.get_if<Value::Array>() != nullptr;  // a structure, not an array
   return refuse({Errc::invalid_value, "fields_missing"}, at,
-                "the value leaves out " + in_words(names) + " of " + type.name, hint);
+                "the value leaves out " + in_words(names) + (has_name ? " of " + type.name : ""),
+                hint);
 }
 
 }  // namespace
@@ -64,4 +67,4 @@ Status items_name_all_fields(const std::string& at, const DataType& type, const 
                         "mauvectl get " + at + " prints the value in force, with all fields");
 }
 
-}  // namespace mauve::arch
+}  // namespace mauve
