@@ -86,11 +86,11 @@ Status keep_values(const Configurable& from, const Edit& edit, Configurable& int
       return split(property.first) ==
              std::pair<std::string_view, std::string_view>("core", old->name());
     };
-    if (same == nullptr || std::any_of(edit.properties.begin(), edit.properties.end(), set_here)) {
-      continue;
-    }
+    if (same == nullptr) continue;
+    // A new value may leave out fields of a structure: these stay, where the old value can.
+    const bool set = std::any_of(edit.properties.begin(), edit.properties.end(), set_here);
     const Status stays = can_stay(*old, *same, edit);
-    if (!stays && edit.values == Values::keep) return stays;
+    if (!stays && !set && edit.values == Values::keep) return stays;
     if (Status done = stays ? same->set(old->value()) : ok(); !done) return done;
   }
   return ok();

@@ -42,6 +42,23 @@ struct Naming : ramp::RampCore {
   void update() override {}
 };
 
+/// Cores with a structure and a list of structures.
+struct Goal {
+  double x = 0.0;
+  double y = 0.0;
+  static constexpr std::string_view type_name = "test_goal/1";
+  static constexpr auto fields() {
+    return std::tuple{field("x", &Goal::x, "m"), field("y", &Goal::y, "m")};
+  }
+};
+struct Going : ramp::RampCore {
+  Property<Goal> goal{*this, "goal", {}, "the goal"};
+  Property<Bounded<Goal, 4>> route{*this, "route", {}, "goals before it"};
+  Stateless stateless{*this};
+  void update() override {}
+};
+struct GoingBack : Going {};
+
 template <typename Core>
 class SwapFrom : public testing::Test {
  protected:
@@ -107,6 +124,34 @@ TEST_F(SwapOfValues, DoesNotAskForOneThatItGives) {
   ASSERT_TRUE(swap(edit));
 
   EXPECT_EQ(property("step"), Value(7.0));
+}
+
+Value goal(double x, double y) { return Value::Object{{"x", x}, {"y", y}}; }
+Value x_only(double x) { return Value::Object{{"x", x}}; }
+
+using SwapOfStructures = SwapFrom<Going>;
+
+TEST_F(SwapOfStructures, KeepsTheFieldsThatTheNewValueDoesNotName) {
+  ASSERT_TRUE(deployer.set("control.core.goal", goal(1.0, 2.0)));
+  Edit edit = ramp::to_core<GoingBack>("test/going_back");
+  edit.properties = {{"core.goal", x_only(3.0)}};
+
+  ASSERT_TRUE(swap(edit));
+
+  EXPECT_EQ(property("goal"), goal(3.0, 2.0));
+}
+
+TEST_F(SwapOfStructures, IsRefusedWhenAnItemOfAListLeavesOutAField) {
+  const Value route = Value::Array{goal(1.0, 2.0), x_only(3.0)};
+  Edit edit = ramp::to_core<GoingBack>("test/going_back");
+  edit.properties = {{"core.route", route}};
+
+  for (const auto& refused : {swap(edit), deployer.set("control.core.route", route)}) {
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().at, "control.core.route");
+    EXPECT_EQ(refused.error().message, "the value leaves out the field [1].y");
+  }
+  EXPECT_EQ(property("route"), Value(Value::Array{}));
 }
 
 TEST_F(SwapOfValues, BeginsWithTheDefaultsOrWithTheValuesThatFitAsTheChangeSays) {
