@@ -67,20 +67,27 @@ std::string listed(const Json& names) {
   return text;
 }
 
-/// "did not fail, but is late: 126 releases missed, 259 overruns, 253 jobs over the budget of 100
-/// us (longest 15.0 ms)"; empty: it is not late.
+/// "253 jobs over the budget of 100 us (longest 15.0 ms from start to end, up to 14.9 ms of
+/// processor time)"; empty: none was.
+std::string over_budget_in_words(const Json& why) {
+  const auto over = whole_number(why, "over_budget");
+  if (over == 0) return {};
+  const double used = number(why, "used_max_ns");
+  return counted(over, "job") + " over the budget of " +
+         nanoseconds_in_words(number(why, "budget_ns")) + " (longest " +
+         nanoseconds_in_words(number(why, "execution_max_ns")) + " from start to end" +
+         (used > 0 ? ", up to " + nanoseconds_in_words(used) + " of processor time)" : ")");
+}
+
+/// "did not fail, but is late: 126 releases missed, 259 overruns, 253 jobs over the budget ...";
+/// empty: it is not late, and exceeded no budget.
 std::string lateness_in_words(const Json& why) {
   const auto missed = whole_number(why, "missed");
   const auto overruns = whole_number(why, "overruns");
-  if (missed == 0 && overruns == 0) return {};
-  std::string text = "did not fail, but is late: " + counted(missed, "release") + " missed, " +
-                     counted(overruns, "overrun");
-  if (const auto over = whole_number(why, "over_budget"); over > 0) {
-    text += ", " + counted(over, "job") + " over the budget of " +
-            nanoseconds_in_words(number(why, "budget_ns")) + " (longest " +
-            nanoseconds_in_words(number(why, "execution_max_ns")) + ")";
-  }
-  return text;
+  std::string text = over_budget_in_words(why);
+  if (missed == 0 && overruns == 0) return text.empty() ? text : "did not fail, but has " + text;
+  return "did not fail, but is late: " + counted(missed, "release") + " missed, " +
+         counted(overruns, "overrun") + (text.empty() ? "" : ", " + text);
 }
 
 std::string why_heading(const Json& why, const Json& failure) {

@@ -6,6 +6,7 @@
 #include "commands/answer.h"
 #include "commands/look/log_json.h"
 #include "commands/measure/kernel_counts.h"
+#include "commands/measure/more_urgent.h"
 #include "commands/model.h"
 #include "exec/update/fault_record.h"
 #include "mauve/host/architecture.h"
@@ -166,6 +167,20 @@ std::string began(const Running& running) {
   return logging::utc(system_clock::now() - std::chrono::duration_cast<system_clock::duration>(up));
 }
 
+/// Of its own jobs, and of those that go before them.
+void add_steps_of_a_late_one(const Running& running, const ComponentStatus& status, bool failed,
+                             Json& hints) {
+  if (status.missed + status.overruns == 0 && status.late == Duration{0}) {
+    return;
+  }
+  for (auto& hint : more_urgent_hints(status, running.deployer.status())) {
+    hints.push_back(std::move(hint));
+  }
+  if (!failed) {
+    hints.push_back("mauvectl stats " + status.name + ": how long its jobs take");
+  }
+}
+
 }  // namespace
 
 Result<Json> why(Running& running, const Call& call) {
@@ -188,8 +203,9 @@ Result<Json> why(Running& running, const Call& call) {
                  {"missed", status.missed},
                  {"overruns", status.overruns},
                  {"over_budget", status.over_budget},
-                 {"budget_ns", (*component)->bundle()->task.budget.count()},
+                 {"budget_ns", status.budget.count()},
                  {"execution_max_ns", status.execution_max.count()},
+                 {"used_max_ns", status.used_max.count()},
                  {"kernel", kernel_counts(rt::threads_of("/", "self"), name)},
                  {"since", began(running)},
                  {"failure", failure == nullptr ? Json() : failure_json(running, *failure)},
@@ -198,9 +214,7 @@ Result<Json> why(Running& running, const Call& call) {
                  {"quarantine", quarantine_of(running, failure)},
                  {"records", records_of(running, name, failure)},
                  {"hints", hints_for(running, name, failure, poisoned)}};
-  if (failure == nullptr && status.missed + status.overruns > 0) {
-    result["hints"].push_back("mauvectl stats " + name + ": how long its jobs take");
-  }
+  add_steps_of_a_late_one(running, status, failure != nullptr, result["hints"]);
   return result;
 }
 

@@ -69,6 +69,8 @@ ComponentStatus look_at(const System& system, const Deployed& deployed) {
   status.lateness_last = Duration{counters.lateness_last.load(std::memory_order_relaxed)};
   status.execution_max = Duration{counters.execution_max.load(std::memory_order_relaxed)};
   status.execution_last = Duration{counters.execution_last.load(std::memory_order_relaxed)};
+  status.used_max = Duration{counters.used_max.load(std::memory_order_relaxed)};
+  status.budget = bundle.task.budget;
   status.period = bundle.fsm->grid();
   status.next_release = Duration{counters.next_release.load(std::memory_order_relaxed)};
   status.watchdog = deployed.task->bound(deployed.realtime);

@@ -83,14 +83,29 @@ TEST(Why, AComponentThatIsLateDidNotFailButIsLate) {
   answer["over_budget"] = 253;
   answer["budget_ns"] = 100'000;
   answer["execution_max_ns"] = 15'000'000;
+  answer["used_max_ns"] = 14'900'000;
 
   const std::string text = Scene({"why", "control"}, answer).outcome.out;
 
   EXPECT_THAT(text, testing::StartsWith(
                         "control: running, core g/gap; did not fail, but is late: 126 releases "
                         "missed, 259 overruns, 253 jobs over the budget of 100 us (longest 15.0 "
-                        "ms)\n"));
+                        "ms from start to end, up to 14.9 ms of processor time)\n"));
   EXPECT_THAT(text, testing::Not(testing::HasSubstr("nothing failed")));
+}
+
+TEST(Why, AComponentThatIsInTimeAndExceededItsBudgetSaysSo) {
+  Json answer = kWhy;
+  answer["state"] = "running";
+  answer["failure"] = nullptr;
+  answer["missed"] = answer["overruns"] = 0;
+  answer["over_budget"] = 1;
+  answer["budget_ns"] = 2'000'000;
+  answer["execution_max_ns"] = 8'000'000;
+
+  EXPECT_THAT(Scene({"why", "control"}, answer).outcome.out,
+              testing::StartsWith("control: running, core g/gap; did not fail, but has 1 job over "
+                                  "the budget of 2.0 ms (longest 8.0 ms from start to end)\n"));
 }
 
 TEST(Why, OfAnAnswerThatMakesNoSenseDoesNotFail) {

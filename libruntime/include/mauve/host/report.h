@@ -70,6 +70,8 @@ struct ComponentStatus {
   Duration lateness_last{0};      ///< of the last job
   Duration execution_max{0};      ///< of jobs, on the wall clock
   Duration execution_last{0};     ///< of the last job
+  Duration used_max{0};           ///< the most processor time of a job; 0: none was measured
+  Duration budget{0};             ///< as declared; 0: none
   Duration next_release{0};       ///< since T0
   Duration period{0};             ///< the grid that its releases lie on
   Duration watchdog{0};   ///< a job that runs longer is interrupted, or its thread is abandoned

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "commands/measure/more_urgent.h"
+
+#include <algorithm>
+#include <chrono>
+#include <tuple>
+
+#include "base/duration.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+using Components = std::vector<const ComponentStatus*>;
+
+bool shares_a_cpu(const ComponentStatus& one, const ComponentStatus& other) {
+  return one.cpus.empty() || other.cpus.empty() ||
+         std::any_of(one.cpus.begin(), one.cpus.end(), [&](int cpu) {
+           return std::find(other.cpus.begin(), other.cpus.end(), cpu) != other.cpus.end();
+         });
+}
+
+/// With an equal priority, a job that began first runs until it ends.
+bool goes_before(const ComponentStatus& one, const ComponentStatus& late) {
+  return one.name != late.name && one.realtime && shares_a_cpu(one, late) &&
+         (!late.realtime || one.priority >= late.priority);
+}
+
+/// Processor time where that was measured, else the time from start to end.
+Duration longest_job(const ComponentStatus& one) {
+  return one.used_max > Duration{0} ? one.used_max : one.execution_max;
+}
+
+/// A job that others preempted exceeds the budget on the clock, without more processor time.
+bool exceeded_budget(const ComponentStatus& one) {
+  return one.over_budget > 0 && one.budget > Duration{0} && longest_job(one) > one.budget;
+}
+
+Duration beyond_budget(const ComponentStatus& one) { return longest_job(one) - one.budget; }
+
+std::string rounded(Duration duration) {
+  return format_duration(std::chrono::ceil<std::chrono::microseconds>(duration));
+}
+
+std::string longest_job_in_words(const ComponentStatus& one) {
+  return rounded(longest_job(one)) +
+         (one.used_max > Duration{0} ? " of processor time" : " from start to end");
+}
+
+std::string step_to(const ComponentStatus& one, const ComponentStatus& late) {
+  const bool equal = late.realtime && one.priority == late.priority;
+  const std::string step = "mauvectl why " + one.name + ": it is " +
+                           (equal ? "as urgent" : "more urgent") + " on the same CPU, and ";
+  if (one.late > Duration{0}) {
+    return step + "its job should have ended " + rounded(one.late) + " ago";
+  }
+  if (exceeded_budget(one)) {
+    return step + std::to_string(one.over_budget) + (one.over_budget == 1 ? " job" : " jobs") +
+           " exceeded its budget of " + format_duration(one.budget) + " (longest " +
+           longest_job_in_words(one) + ")";
+  }
+  return step + "its longest job (" + longest_job_in_words(one) +
+         (one.budget == Duration{0} ? ", no budget" : ", within its budget") +
+         ") leaves too little of a period of " + format_duration(late.period);
+}
+
+/// By the processor time of one job of each: on the clock, each contains the other.
+bool leaves_too_little(const ComponentStatus& one, const ComponentStatus& late) {
+  return one.used_max > Duration{0} && late.period > Duration{0} &&
+         one.used_max + late.used_max > late.period;
+}
+
+}  // namespace
+
+std::vector<std::string> more_urgent_hints(const ComponentStatus& late,
+                                           const std::vector<ComponentStatus>& all) {
+  Components suspects;
+  const ComponentStatus* longest_one = nullptr;
+  for (const auto& one : all) {
+    if (!goes_before(one, late)) {
+      continue;
+    }
+    if (one.late > Duration{0} || exceeded_budget(one)) {
+      suspects.push_back(&one);
+    } else if (leaves_too_little(one, late) &&
+               (longest_one == nullptr || one.used_max > longest_one->used_max)) {
+      longest_one = &one;
+    }
+  }
+  std::stable_sort(suspects.begin(), suspects.end(), [](const auto* a, const auto* b) {
+    const auto rank = [](const ComponentStatus& one) {
+      return std::tuple(one.late, one.used_max > Duration{0}, beyond_budget(one));
+    };
+    return rank(*a) > rank(*b);
+  });
+  if (suspects.empty() && longest_one != nullptr) {
+    suspects.push_back(longest_one);
+  }
+  std::vector<std::string> hints;
+  for (const auto* one : suspects) {
+    hints.push_back(step_to(*one, late));
+  }
+  return hints;
+}
+
+}  // namespace mauve::daemon

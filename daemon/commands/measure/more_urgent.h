@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The components that may be the reason why another one is late. [any]
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mauve/host/report.h"
+
+namespace mauve::daemon {
+
+/// The next steps for a component that is late: `why` of each component that goes before it on its
+/// CPU and exceeded its budget, the most likely one first. If there is none, the step is `why` of
+/// one whose longest job leaves too little of a period.
+[[nodiscard]] std::vector<std::string> more_urgent_hints(const ComponentStatus& late,
+                                                         const std::vector<ComponentStatus>& all);
+
+}  // namespace mauve::daemon
