@@ -71,6 +71,8 @@ void print(const Timing& timing) {
                 in_words(one.blocking), in_words(one.response), in_words(one.deadline),
                 in_words(one.slack)});
   }
+  std::cout << "execution time: processor time of a job; response time: elapsed, from its "
+               "release to its end\n";
   for (const auto& lock : timing.locks) {
     if (lock.lock_budget) {
       std::cout << lock.resource << " is held for at most " << in_words(lock.lock_budget) << " ("

@@ -101,6 +101,11 @@ std::string render_analysis(const Json& result, Look look) {
                {time_of(row, "slack_ns"), late ? Paint::red : Paint::plain}});
   }
   std::string text = contradictions_of(result, look) + table.text(look.width, look.colour);
+  text += wrapped(
+              "execution time: processor time of a job; response time: elapsed, from its "
+              "release to its end",
+              look.width, 2) +
+          "\n";
   text += locks_of(list_in(result, "locks"), look);
   text += wrapped(verdict_of(result) + "; " + loads_of(list_in(result, "cpus")), look.width, 2);
   text += "\n";

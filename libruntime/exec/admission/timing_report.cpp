@@ -75,11 +75,11 @@ void contradict(const Deployed& deployed, std::vector<std::string>& found) {
                                std::to_string(longer) + (longer == 1 ? " job" : " jobs") +
                                " over it); the proof below assumes " + format_duration(budget);
   if (budget > Duration{0} && used > budget) {
-    found.push_back(name + " used up to " + in_words(used) + ", " + declared);
+    found.push_back(name + " used up to " + in_words(used) + " of processor time, " + declared);
   } else if (used == Duration{0} && longer > 0) {
     found.push_back(name + " took up to " +
                     in_words(Duration{counters.execution_max.load(std::memory_order_relaxed)}) +
-                    ", " + declared);
+                    " from start to end, " + declared);
   }
   if (const std::uint64_t missed = times.missed.load(std::memory_order_relaxed); missed > 0) {
     found.push_back(name + " missed " + std::to_string(missed) +

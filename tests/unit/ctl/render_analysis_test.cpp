@@ -25,6 +25,8 @@ TEST(RenderAnalysis, IsATableWithAVerdict) {
             "NAME   CPU  PRIO  EXECUTION  SOURCE    BLOCKED  RESPONSE  DEADLINE   SLACK\n"
             "robot    0    70     500 us  declared     0 ns    774 us   10.0 ms  9.2 ms\n"
             "laser    0    60          -  unknown      0 ns         -   25.0 ms       -\n"
+            "execution time: processor time of a job; response time: elapsed, from its release to "
+            "its end\n"
             "LOCK      HOLD  SOURCE\n"
             "pose   50.0 us  declared\n"
             "world        -  unknown\n"

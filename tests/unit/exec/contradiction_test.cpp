@@ -41,9 +41,9 @@ TEST_F(Contradictions, NameAJobThatTakesLongerThanItsBudgetUntilAnotherCoreRuns)
   deployer.run_for(100ms);
 
   const std::string jobs = std::to_string(deployer.statistics("control").over_budget);
-  EXPECT_EQ(found(),
-            std::vector<std::string>{"control used up to 350us, its budget is 300us (" + jobs +
-                                     " jobs over it); the proof below assumes 300us"});
+  EXPECT_EQ(found(), std::vector<std::string>{
+                         "control used up to 350us of processor time, its budget is 300us (" +
+                         jobs + " jobs over it); the proof below assumes 300us"});
 
   ASSERT_TRUE(deployer.apply({{ramp::to_core<ramp::Down>("Down")}}));
   deployer.run_for(100ms);
