@@ -35,7 +35,7 @@ inline constexpr Argument kList[] = {maybe(
     "components (default), resources, services, cores, fsms, types, ports, plugins or clients",
     Kind::category)};
 inline constexpr Argument kShow[] = {
-    one("ADDRESS", "component, resource or anything in them", Kind::address)};
+    one("ADDRESS", "component, resource or anything in them, or a type of data", Kind::address)};
 inline constexpr Argument kGet[] = {
     some("ADDRESS", "such as control.core.gain or fix.read", Kind::address)};
 inline constexpr Argument kWatch[] = {

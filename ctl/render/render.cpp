@@ -93,6 +93,7 @@ std::string block_of(const std::string& key, const Json& value, Look look) {
     return "initial  " + word(value, "initial") + "\n" + table_of(machine_rows(value), look);
   }
   if (value.is_object()) return render_object(value, look);
+  if (key == "fields") return table_of(field_rows(value), look);
   if (key != "properties") return table_of(value, look);
   Json rows = Json::array();
   for (const Json& property : value) rows.push_back(short_property(property));

@@ -22,6 +22,35 @@ bool is_one_of(const auto& names, std::string_view key) {
 
 bool is_size(std::string_view key) { return key == "stack" || key.ends_with("_bytes"); }
 
+/// "double", "array of 3 double", "array of at most 8 structures".
+std::string kind_in_words(const Json& kind) {
+  if (kind.is_array()) return "structure";
+  if (!kind.is_object()) return harmless(compact(kind));
+  const std::string item = kind_in_words(member(kind, "array"));
+  const bool bounded = kind.contains("capacity");
+  return std::string(bounded ? "array of at most " : "array of ") +
+         word(kind, bounded ? "capacity" : "size") + " " + item + (item == "structure" ? "s" : "");
+}
+
+void add_field_rows(const std::string& path, const Json& fields, Json& rows);
+
+void add_fields_within(const std::string& path, const Json& kind, Json& rows) {
+  if (kind.is_object()) add_fields_within(path + "[]", member(kind, "array"), rows);
+  if (kind.is_array()) add_field_rows(path + ".", kind, rows);
+}
+
+void add_field_rows(const std::string& path, const Json& fields, Json& rows) {
+  for (const Json& field : fields) {
+    const std::string name = path + word(field, "name");
+    const Json& kind = member(field, "kind");
+    rows.push_back({{"name", name},
+                    {"type", kind_in_words(kind)},
+                    {"unit", word(field, "unit")},
+                    {"text", word(field, "text")}});
+    add_fields_within(name, kind, rows);
+  }
+}
+
 }  // namespace
 
 std::string field_title(const std::string& key) {
@@ -53,6 +82,12 @@ Json machine_rows(const Json& machine) {
     row["next"] = next;
     rows.push_back(std::move(row));
   }
+  return rows;
+}
+
+Json field_rows(const Json& fields) {
+  Json rows = Json::array();
+  add_field_rows("", fields, rows);
   return rows;
 }
 

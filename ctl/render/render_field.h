@@ -18,4 +18,8 @@ namespace mauve::ctl {
 /// The states of object.get's "machine", each with "next": "[1] doze, [else] run".
 [[nodiscard]] Json machine_rows(const Json& machine);
 
+/// object.get's "fields", one row for each: those of a structure with their path, "goal.x", and
+/// those of the items of an array as "points[].x".
+[[nodiscard]] Json field_rows(const Json& fields);
+
 }  // namespace mauve::ctl

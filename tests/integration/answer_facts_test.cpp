@@ -144,6 +144,27 @@ TEST(Show, OfACoreHasItsTypeItsStateAndItsProperties) {
             "unknown_element");
 }
 
+TEST(Show, OfATypeOfDataHasItsSizeAndItsFields) {
+  TrialDaemon daemon;
+  std::filesystem::copy_file(MAUVE_PLUGIN_DIR "/types.so", daemon.plugins() / "types.so");
+  ASSERT_EQ(daemon.ask("plugin.load", {{"plugin", "types"}})["state"], "applied");
+
+  const auto type = daemon.ask("object.get", {{"address", "velocity/1"}});
+  const auto number = daemon.ask("object.get", {{"address", "double"}});
+  const auto unknown = daemon.ask("object.get", {{"address", "velocty/1"}});
+
+  EXPECT_EQ(type["kind"], "type") << type;
+  EXPECT_EQ(type["bytes"], 16);
+  EXPECT_EQ(
+      type["fields"][1],
+      (Json{
+          {"name", "angular"}, {"kind", "double"}, {"unit", "rad/s"}, {"text", "anticlockwise"}}));
+  EXPECT_EQ(number["bytes"], 8) << number;
+  EXPECT_FALSE(number.contains("fields")) << number;
+  EXPECT_EQ(unknown["data"]["name"], "unknown_name") << unknown;
+  EXPECT_NE(unknown.dump().find("velocity/1"), std::string::npos) << unknown;
+}
+
 TEST(Show, OfACoreOfAResourceHasItsType) {
   TrialDaemon daemon;
 

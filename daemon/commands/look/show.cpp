@@ -260,6 +260,17 @@ Result<Json> show_target(const Running& running, const std::string& address) {
   return object;
 }
 
+/// A type of data of a plugin, or one of the runtime such as double.
+Json show_type(const DataType& type) {
+  Json object = {
+      {"address", type.name}, {"kind", "type"}, {"type", type.name}, {"bytes", type.size}};
+  const auto fields = type.describe == nullptr ? Value() : type.describe();
+  if (fields.get_if<Value::Array>() != nullptr) {
+    object["fields"] = arch::to_json(fields);
+  }
+  return object;
+}
+
 }  // namespace
 
 Result<Json> show(Running& running, const Call& call) {
@@ -274,7 +285,9 @@ Result<Json> show(Running& running, const Call& call) {
   }
   const auto element = find_element(running, address);
   if (!element) {
-    return element.error();
+    const auto type = running.catalog.type(address);
+    return type ? Result<Json>(show_type(**type))
+                : (address.find('/') == std::string::npos ? element.error() : type.error());
   }
   return element->component != nullptr ? show_component(running, *element->component)
                                        : show_resource(running, *element->resource);

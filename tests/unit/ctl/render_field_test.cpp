@@ -41,6 +41,29 @@ TEST(RenderObject, ShowsAStateMachineWithItsWaitsAndSuccessors) {
             "  pace  synchronization  10.0 ms  heat\n");
 }
 
+TEST(RenderObject, ShowsTheFieldsOfATypeAlsoThoseOfStructuresAndArrays) {
+  const Json type = Json::parse(R"({"address": "path/1", "kind": "type", "type": "path/1",
+    "bytes": 280, "fields": [
+      {"name": "goal", "unit": "", "text": "", "kind": [
+        {"name": "x", "kind": "double", "unit": "m", "text": ""}]},
+      {"name": "gains", "unit": "", "text": "P, I, D", "kind": {"array": "float", "size": 3}},
+      {"name": "points", "unit": "", "text": "", "kind": {"capacity": 8, "array": [
+        {"name": "x", "kind": "double", "unit": "m", "text": ""}]}}]})");
+
+  EXPECT_EQ(render_object(type, {}),
+            "address  path/1\n"
+            "kind     type\n"
+            "type     path/1\n"
+            "bytes    280\n"
+            "fields\n"
+            "  NAME        TYPE                          UNIT  TEXT\n"
+            "  goal        structure\n"
+            "  goal.x      double                        m\n"
+            "  gains       array of 3 float                    P, I, D\n"
+            "  points      array of at most 8 structures\n"
+            "  points[].x  double                        m\n");
+}
+
 TEST(RenderHistory, IsATableOfWhoWhatAndWhy) {
   const Json history = Json::parse(R"({"state_dir": "/s", "items": [
     {"generation": 42, "time": "2026-01-31T12:00:00.123456Z", "uid": 1000, "command": "param.set",
