@@ -96,8 +96,10 @@ constexpr Command kCommands[] = {
      false, run_rules},
     {"why", "Say why a component failed, what was done and what to do", "mauvectl why control",
      kWhy, false, run_why},
-    {"check", "Check an architecture file and print all its errors", "mauvectl check rover.json",
-     kCheck, false, run_check},
+    {"check",
+     "Print all errors of an architecture file, which the running mauved finds with its plugin "
+     "folders; without a daemon: mauved --check --plugin-dir DIR FILE",
+     "mauvectl check rover.json", kCheck, false, run_check},
     {"export",
      "Print the running system as an architecture file",
      "mauvectl export > now.json",

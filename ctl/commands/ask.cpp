@@ -144,7 +144,8 @@ int run_check(Session& session) {
   const auto answer = session.call("config.check", std::get<Json>(std::move(params)));
   if (const auto* fault = std::get_if<Fault>(&answer)) {
     Fault said = *fault;
-    const std::string alone = "without the daemon: mauved --check " + file;
+    const std::string alone = "without the daemon: mauved --check " + file +
+                              "; --plugin-dir DIR names a folder of plugins";
     if (said.exit == static_cast<int>(protocol::Exit::unreachable)) said.hint = alone;
     return session.fail(said);
   }

@@ -237,6 +237,8 @@ TEST(Check, SaysHowToDoItWithoutTheDaemon) {
 
   EXPECT_EQ(outcome.exit, 7);
   EXPECT_NE(outcome.err.find("mauved --check"), std::string::npos);
+  EXPECT_NE(outcome.err.find("--plugin-dir DIR names a folder of plugins"), std::string::npos);
+  EXPECT_NE(run("/nowhere", {"help", "check"}).out.find("--plugin-dir DIR"), std::string::npos);
 }
 
 TEST(Check, EndsWith1WhenThereAreErrors) {
