@@ -29,7 +29,7 @@ namespace mauve {
 class PortBench {
  public:
   /// Connects each port of plain data.
-  explicit PortBench(Shell& shell) {
+  explicit PortBench(Shell& shell) : shell_(shell) {
     for (PortBase* port : shell.ports()) {
       const Signature& signature = port->signature();
       ends_.emplace_back();
@@ -45,6 +45,12 @@ class PortBench {
   template <typename T>
   void give(const ReadPort<T>& port, const T& value) {
     ends_[port.index()]->write_service().write(&value);
+  }
+  /// Before configure: the port finds older values stale, as with `max_age` in a file.
+  template <typename T>
+  void max_age(ReadPort<T>& port, Duration age) {
+    shell_.initial_bindings()[port.index()] = nullptr;
+    static_cast<void>(port.connect(ends_[port.index()]->read_service(), age));
   }
   /// The last value that the core wrote; empty when it never did.
   template <typename T>
@@ -86,6 +92,7 @@ class PortBench {
     std::function<R(P...)> function_;
   };
 
+  Shell& shell_;
   std::vector<std::unique_ptr<SharedDataBase>> ends_;  // by port index; null: not of this kind
   std::vector<std::unique_ptr<ServiceBase>> answers_;
 };
@@ -121,6 +128,11 @@ class CoreBench {
   template <typename T>
   void give(const ReadPort<T>& port, const T& value) {
     ports_.give(port, value);
+  }
+  /// Before configure(): the port finds older values stale, as with `max_age` in a file.
+  template <typename T>
+  void max_age(ReadPort<T>& port, Duration age) {
+    ports_.max_age(port, age);
   }
   /// The last value written; empty: none.
   template <typename T>

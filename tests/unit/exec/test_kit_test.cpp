@@ -58,6 +58,20 @@ TEST(CoreBench, MovesTheClockThatAgesAreMeasuredWith) {
   EXPECT_FALSE(bench.written(bench.shell().command).has_value()) << "too old to follow";
 }
 
+TEST(CoreBench, FindsAValueStaleThatIsOlderThanTheMaxAgeOfThePort) {
+  CoreBench<FollowShell, Follow> bench;
+  bench.max_age(bench.shell().target, 50ms);
+  ASSERT_TRUE(bench.configure());
+  bench.give(bench.shell().target, 8.0);
+  double value = 0.0;
+
+  bench.advance(50ms);
+  EXPECT_EQ(bench.shell().target.read(value), DataStatus::new_data);
+  bench.advance(1ms);
+  EXPECT_EQ(bench.shell().target.read(value), DataStatus::stale);
+  EXPECT_EQ(value, 8.0) << "a stale value is delivered";
+}
+
 TEST(CoreBench, ReportsARefusedConfiguration) {
   CoreBench<FollowShell, Follow> bench;
   bench.core().gain = -1.0;
