@@ -52,7 +52,7 @@ std::optional<double> number_of_word(const Value& value) {
   return std::nullopt;
 }
 
-Error out_of_range(std::int64_t low, std::int64_t high, const Value& value) {
+Error out_of_range(std::int64_t low, std::uint64_t high, const Value& value) {
   return refuse(
       {Errc::invalid_value, "value_out_of_range"}, {},
       to_string(value) + " is not from " + std::to_string(low) + " to " + std::to_string(high));

@@ -4,8 +4,17 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace mauve {
+
+Value::Value(std::uint64_t value) {
+  if (std::in_range<std::int64_t>(value)) {
+    content_ = static_cast<std::int64_t>(value);
+  } else {
+    content_ = value;
+  }
+}
 
 Value::Value(const Value& other) = default;
 Value::Value(Value&& other) noexcept = default;
@@ -40,6 +49,7 @@ struct Printer {
   std::string operator()(std::monostate) const { return "null"; }
   std::string operator()(bool value) const { return value ? "true" : "false"; }
   std::string operator()(std::int64_t value) const { return std::to_string(value); }
+  std::string operator()(std::uint64_t value) const { return std::to_string(value); }
   std::string operator()(double value) const { return shortest(value); }
   std::string operator()(const std::string& value) const { return quoted(value); }
   std::string operator()(const Value::Array& items) const {
@@ -60,6 +70,7 @@ struct KindName {
   std::string_view operator()(std::monostate) const { return "null"; }
   std::string_view operator()(bool) const { return "a boolean"; }
   std::string_view operator()(std::int64_t) const { return "an integer"; }
+  std::string_view operator()(std::uint64_t) const { return "an integer"; }
   std::string_view operator()(double) const { return "a number"; }
   std::string_view operator()(const std::string&) const { return "a string"; }
   std::string_view operator()(const Value::Array&) const { return "an array"; }
@@ -67,6 +78,13 @@ struct KindName {
 };
 
 }  // namespace
+
+std::optional<double> Value::number() const {
+  if (const auto* number = get_if<double>()) return *number;
+  if (const auto* integer = get_if<std::int64_t>()) return static_cast<double>(*integer);
+  if (const auto* integer = get_if<std::uint64_t>()) return static_cast<double>(*integer);
+  return std::nullopt;
+}
 
 const Value* Value::find(std::string_view name) const {
   const auto* object = get_if<Object>();

@@ -49,14 +49,14 @@ struct Against {
   }
   Truth operator()(std::int64_t operand) const {
     const auto* actual = value.get_if<std::int64_t>();
-    return actual == nullptr ? (*this)(static_cast<double>(operand))
-                             : compared(*actual <=> operand, compare);
+    if (actual != nullptr) return compared(*actual <=> operand, compare);
+    const bool is_larger = value.get_if<std::uint64_t>() != nullptr;  // than any std::int64_t
+    return is_larger ? compared(std::strong_ordering::greater, compare)
+                     : (*this)(static_cast<double>(operand));
   }
   Truth operator()(double operand) const {
-    if (const auto* number = value.get_if<double>()) return compared(*number <=> operand, compare);
-    const auto* integer = value.get_if<std::int64_t>();
-    return integer == nullptr ? Truth::unknown
-                              : compared(static_cast<double>(*integer) <=> operand, compare);
+    const auto number = value.number();
+    return number ? compared(*number <=> operand, compare) : Truth::unknown;
   }
   Truth operator()(Duration operand) const {
     const auto* text = value.get_if<std::string>();

@@ -280,13 +280,7 @@ class Differ {
 
 bool same_number(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
-const double* number_of(const Value& value, double& storage) {
-  if (const auto* number = value.get_if<double>()) return number;
-  const auto* integer = value.get_if<std::int64_t>();
-  if (integer == nullptr) return nullptr;
-  storage = static_cast<double>(*integer);
-  return &storage;
-}
+bool is_integer(const Value& value) { return kind_of(value) == "an integer"; }
 
 }  // namespace
 
@@ -322,12 +316,10 @@ Difference compare(const Architecture& running, Architecture& wanted, const Park
 
 bool same_value(const Value& a, const Value& b) {
   if (a == b) return true;
-  if (a.get_if<std::int64_t>() != nullptr && b.get_if<std::int64_t>() != nullptr) return false;
-  double storage_a = 0;
-  double storage_b = 0;
-  const double* const number_a = number_of(a, storage_a);
-  const double* const number_b = number_of(b, storage_b);
-  if (number_a != nullptr && number_b != nullptr) return same_number(*number_a, *number_b);
+  if (is_integer(a) && is_integer(b)) return false;
+  const auto number_a = a.number();
+  const auto number_b = b.number();
+  if (number_a && number_b) return same_number(*number_a, *number_b);
   const auto* items_a = a.get_if<Value::Array>();
   const auto* items_b = b.get_if<Value::Array>();
   if (items_a != nullptr && items_b != nullptr) {

@@ -43,8 +43,7 @@ class TreeBuilder {
   bool number_integer(nlohmann::json::number_integer_t value) { return put(std::int64_t{value}); }
   bool number_unsigned(nlohmann::json::number_unsigned_t value) {
     if (std::in_range<std::int64_t>(value)) return put(static_cast<std::int64_t>(value));
-    return stop(places_.next(), {Errc::limit, "integer_too_large"},
-                "an integer beyond 64 bits signed");
+    return put(std::uint64_t{value});
   }
   bool number_float(nlohmann::json::number_float_t value, const std::string&) { return put(value); }
   bool string(std::string& value) { return put(std::move(value)); }
@@ -185,6 +184,7 @@ Value to_value(const Node& node) {
   }
   if (const auto* flag = node.get_if<bool>()) return *flag;
   if (const auto* integer = node.get_if<std::int64_t>()) return *integer;
+  if (const auto* integer = node.get_if<std::uint64_t>()) return *integer;
   if (const auto* number = node.get_if<double>()) return *number;
   if (const auto* text = node.get_if<std::string>()) return *text;
   return {};
@@ -192,7 +192,7 @@ Value to_value(const Node& node) {
 
 std::string_view kind_of(const Node& node) {
   constexpr std::string_view kKinds[] = {"null",     "a boolean", "an integer", "a number",
-                                         "a string", "an array",  "an object"};
+                                         "a string", "an array",  "an object",  "an integer"};
   return kKinds[node.content.index()];
 }
 

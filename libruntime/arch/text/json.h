@@ -23,7 +23,9 @@ struct Node {
   using Object = std::vector<Member>;
 
   Position where;
-  std::variant<std::monostate, bool, std::int64_t, double, std::string, Array, Object> content;
+  std::variant<std::monostate, bool, std::int64_t, double, std::string, Array, Object,
+               std::uint64_t>
+      content;  ///< a std::uint64_t is above 2^63 - 1
 
   /// The content as this alternative, or null when it is another one.
   template <typename T>

@@ -113,13 +113,13 @@ std::optional<bool> read_flag(const Source& source) {
 std::optional<std::int64_t> read_integer(const Source& source, std::int64_t low,
                                          std::int64_t high) {
   const auto* integer = source.node.get_if<std::int64_t>();
-  if (integer == nullptr) {
+  if (kind_of(source.node) != "an integer") {
     source.refuse_kind("an integer");
     return std::nullopt;
   }
-  if (*integer < low || *integer > high) {
-    source.refuse(std::to_string(*integer) + " is not from " + std::to_string(low) + " to " +
-                  std::to_string(high));
+  if (integer == nullptr || *integer < low || *integer > high) {
+    source.refuse(to_string(to_value(source.node)) + " is not from " + std::to_string(low) +
+                  " to " + std::to_string(high));
     return std::nullopt;
   }
   return *integer;

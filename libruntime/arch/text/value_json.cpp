@@ -13,6 +13,7 @@ template <typename Json>
 Json converted(const Value& value) {
   if (const auto* flag = value.get_if<bool>()) return *flag;
   if (const auto* integer = value.get_if<std::int64_t>()) return *integer;
+  if (const auto* integer = value.get_if<std::uint64_t>()) return *integer;
   if (const auto* number = value.get_if<double>()) {
     const std::string_view word = word_of_number(*number);
     return word.empty() ? Json(*number) : Json(word);
@@ -68,10 +69,7 @@ Result<Value> from_json(const nlohmann::json& json) {
     case nlohmann::json::value_t::number_integer:
       return Value(json.get<std::int64_t>());
     case nlohmann::json::value_t::number_unsigned:
-      if (!std::in_range<std::int64_t>(json.get<std::uint64_t>())) {
-        return refuse({Errc::limit, "integer_too_large"}, "", "an integer beyond 64 bits signed");
-      }
-      return Value(json.get<std::int64_t>());
+      return Value(json.get<std::uint64_t>());
     case nlohmann::json::value_t::number_float:
       return Value(json.get<double>());
     case nlohmann::json::value_t::string:

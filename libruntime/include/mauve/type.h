@@ -33,7 +33,7 @@
 /// | `mauve::Bounded<T, N>`            | `[1, 2]`                         |
 /// | a struct with `fields()`          | `{"x": 1, "y": 2}`               |
 ///
-/// An unsigned number is at most 2^63 - 1, a text has at most N bytes, an array has N items, and a
+/// A text has at most N bytes, an array has N items, and a
 /// Bounded has at most N. Other types do not compile, such as an enumeration (write a
 /// `std::uint8_t`), `char`, a pointer, `double[3]` or `std::vector`. Properties may also hold a
 /// `std::string`, but a value with one has no fixed size, and no resource exchanges it.

@@ -13,7 +13,12 @@ using mauve::Value;
 /// The whole text as a number, an integer where it is written as one.
 std::optional<Value> number_in(std::string_view text) {
   const char* const end = text.data() + text.size();
-  if (std::int64_t whole = 0; std::from_chars(text.data(), end, whole).ptr == end) return whole;
+  const auto is_whole = [&](auto& whole) {
+    const auto [rest, error] = std::from_chars(text.data(), end, whole);
+    return error == std::errc() && rest == end;
+  };
+  if (std::int64_t whole = 0; is_whole(whole)) return whole;
+  if (std::uint64_t whole = 0; is_whole(whole)) return whole;
   double real = 0.0;
   const auto [rest, error] = std::from_chars(text.data(), end, real);
   const bool digit_first = text.find_first_of("0123456789") <= 1;  // not "nan", "inf", "-inf"

@@ -258,6 +258,7 @@ TEST(SameValue, ComparesNumbersByValueAtAnyDepth) {
   const std::int64_t large = (std::int64_t{1} << 60);
 
   EXPECT_TRUE(same_value(1, 1.0));
+  EXPECT_FALSE(same_value(std::int64_t{INT64_MAX}, std::uint64_t{INT64_MAX} + 1));
   EXPECT_TRUE(same_value(Value::Array{1, 2.5}, Value::Array{1.0, 2.5}));
   EXPECT_TRUE(same_value(Value::Object{{"x", 1}}, Value::Object{{"x", 1.0}}));
   EXPECT_TRUE(same_value(nan, nan));

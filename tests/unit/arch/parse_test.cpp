@@ -150,6 +150,8 @@ const WrongText kWrongTexts[] = {
     {"\"plugins\"", "\"plugin\"", "", "unknown key \"plugin\"", "did you mean \"plugins\"?", 5},
     {"\"priority\": 60", "\"prioritty\": 60", "laser.task", "unknown key \"prioritty\"",
      "did you mean \"priority\"?", 14},
+    {"\"priority\": 60", "\"priority\": 9223372036854775808", "laser.task.priority",
+     "9223372036854775808 is not from 1 to 90", "", 14},
     {"\"priority\": 60", "\"priority\": 0", "laser.task.priority", "0 is not from 1 to 90", "", 14},
     {"\"priority\": 60", "\"priority\": 91", "laser.task.priority", "91 is not from 1 to 90", "",
      14},

@@ -100,11 +100,15 @@ TEST(ValueJson, TheWordsComeBackAsNumbersWhereANumberIsExpected) {
   EXPECT_FALSE(Codec<double>::decode("NaN or so", number));
 }
 
-TEST(ValueJson, RefusesIntegersBeyond64BitsSigned) {
-  EXPECT_TRUE(from_json(nlohmann::json(std::numeric_limits<std::int64_t>::max())));
-  const auto value = from_json(nlohmann::json::array({std::numeric_limits<std::uint64_t>::max()}));
-  ASSERT_FALSE(value);
-  EXPECT_EQ(value.error().code, Errc::limit);
+TEST(ValueJson, KeepsEveryIntegerOf64Bits) {
+  for (const char* text : {"-9223372036854775808", "9223372036854775807", "9223372036854775808",
+                           "18446744073709551615"}) {
+    const Value value = read_back(text);
+    EXPECT_EQ(kind_of(value), "an integer") << text;
+    EXPECT_EQ(to_string(value), text);
+    EXPECT_EQ(to_json(value).dump(), text);
+    EXPECT_EQ(*from_json(nlohmann::json::parse(text)), value) << text;
+  }
 }
 
 TEST(ValueJson, WritesTextThatIsNotUtf8WithoutThrowing) {

@@ -80,6 +80,28 @@ TEST(Type, RefusesFieldsThatDoNotFitAndNamesThem) {
   EXPECT_FALSE(full);
 }
 
+TEST(Type, KeepsEveryUnsignedIntegerOf64Bits) {
+  const auto& type = data_type<std::uint64_t>();
+  for (const std::uint64_t number : {std::uint64_t{0}, std::uint64_t{INT64_MAX},
+                                     std::uint64_t{INT64_MAX} + 1, std::uint64_t{UINT64_MAX}}) {
+    const Value value = type.to_value(&number);
+    EXPECT_EQ(to_string(value), std::to_string(number));
+    std::uint64_t back = 1;
+    ASSERT_TRUE(type.from_value(value, &back));
+    EXPECT_EQ(back, number);
+  }
+  std::uint64_t whole = 0;
+  std::int64_t with_sign = 0;
+  const Value largest(std::uint64_t{UINT64_MAX});
+  EXPECT_EQ(type.from_value(-1, &whole).error().message,
+            "-1 is not from 0 to 18446744073709551615");
+  EXPECT_EQ(data_type<std::int64_t>().from_value(largest, &with_sign).error().message,
+            "18446744073709551615 is not from -9223372036854775808 to 9223372036854775807");
+  double real = 0;
+  ASSERT_TRUE(data_type<double>().from_value(largest, &real));
+  EXPECT_EQ(real, 0x1p64);
+}
+
 TEST(Type, LayoutDistinguishesStructsOfTheSameName) {
   EXPECT_EQ(data_type<Point>().name, data_type<OtherPoint>().name);
   EXPECT_FALSE(same_type(data_type<Point>(), data_type<OtherPoint>()));

@@ -48,6 +48,8 @@ TEST(CsvCell, SplitsARowWithQuotesCommasAndLineEnds) {
 
 TEST(CsvCell, ReadsNumbersWordsAndLists) {
   EXPECT_EQ(drivers::value_of_cell("-9223372036854775808"), Value(std::int64_t{INT64_MIN}));
+  EXPECT_EQ(drivers::value_of_cell("18446744073709551615"), Value(std::uint64_t{UINT64_MAX}));
+  EXPECT_EQ(drivers::value_of_cell("18446744073709551616"), Value(0x1p64));
   EXPECT_EQ(drivers::value_of_cell("0.1"), Value(0.1));
   EXPECT_EQ(drivers::value_of_cell("5e-324"), Value(5e-324));
   EXPECT_EQ(drivers::value_of_cell("nan"), Value("nan"));

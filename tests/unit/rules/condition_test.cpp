@@ -40,6 +40,13 @@ Error refused(const std::string& text) {
   return condition ? Error{} : condition.error();
 }
 
+TEST(Condition, ComparesIntegersThatNeedAll64Bits) {
+  const Known values{{"a.n", Value(std::uint64_t{INT64_MAX} + 1)}};
+  EXPECT_EQ(truth("a.n > 9223372036854775807", values), Truth::yes);
+  EXPECT_EQ(truth("a.n == 9223372036854775807", values), Truth::no);
+  EXPECT_EQ(truth("a.n >= 0.5", values), Truth::yes);
+}
+
 TEST(Condition, ComparesNumbersWithEveryOperator) {
   const Known values{{"a.n", 3}, {"a.x", 2.5}};
 

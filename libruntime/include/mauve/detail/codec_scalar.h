@@ -111,7 +111,7 @@ void add_field(Value::Array& fields, std::string_view name, Value kind, std::str
 [[nodiscard]] std::optional<double> number_of_word(const Value& value);
 
 /// "not an integer from 0 to 255: 300"
-[[nodiscard]] Error out_of_range(std::int64_t low, std::int64_t high, const Value& value);
+[[nodiscard]] Error out_of_range(std::int64_t low, std::uint64_t high, const Value& value);
 
 }  // namespace detail
 
@@ -133,13 +133,18 @@ struct Codec<bool> {
 
 template <std::integral T>
 struct Codec<T> {
-  static Value encode(T data) { return static_cast<std::int64_t>(data); }
+  using Widest = std::conditional_t<std::is_signed_v<T>, std::int64_t, std::uint64_t>;
+
+  static Value encode(T data) { return static_cast<Widest>(data); }
   static Status decode(const Value& value, T& data) {
-    const auto* i = value.get_if<std::int64_t>();
-    if (i == nullptr) return detail::wrong_kind("an integer", value);
-    if (!std::in_range<T>(*i)) return detail::out_of_range(kLow, kHigh, value);
-    data = static_cast<T>(*i);
-    return ok();
+    const auto take = [&](auto integer) -> Status {
+      if (!std::in_range<T>(integer)) return detail::out_of_range(kLow, kHigh, value);
+      data = static_cast<T>(integer);
+      return ok();
+    };
+    if (const auto* i = value.get_if<std::int64_t>()) return take(*i);
+    if (const auto* i = value.get_if<std::uint64_t>()) return take(*i);
+    return detail::wrong_kind("an integer", value);
   }
   static Value describe() {
     return std::string(std::is_signed_v<T> ? "int" : "uint") + std::to_string(8 * sizeof(T));
@@ -148,20 +153,15 @@ struct Codec<T> {
  private:
   static constexpr std::int64_t kLow =
       std::is_signed_v<T> ? static_cast<std::int64_t>(std::numeric_limits<T>::min()) : 0;
-  static constexpr std::int64_t kHigh =
-      std::in_range<std::int64_t>(std::numeric_limits<T>::max())
-          ? static_cast<std::int64_t>(std::numeric_limits<T>::max())
-          : std::numeric_limits<std::int64_t>::max();
+  static constexpr std::uint64_t kHigh = static_cast<std::uint64_t>(std::numeric_limits<T>::max());
 };
 
 template <std::floating_point T>
 struct Codec<T> {
   static Value encode(T data) { return static_cast<double>(data); }
   static Status decode(const Value& value, T& data) {
-    if (const auto* d = value.get_if<double>()) {
-      data = static_cast<T>(*d);
-    } else if (const auto* i = value.get_if<std::int64_t>()) {
-      data = static_cast<T>(*i);
+    if (const auto number = value.number()) {
+      data = static_cast<T>(*number);
     } else if (const auto word = detail::number_of_word(value)) {
       data = static_cast<T>(*word);
     } else {

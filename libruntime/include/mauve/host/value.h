@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -23,6 +24,7 @@ class Value {
   Value() = default;                                                ///< null
   Value(bool value) : content_(value) {}                            ///< a boolean
   Value(std::int64_t value) : content_(value) {}                    ///< an integer
+  Value(std::uint64_t value);                                       ///< an integer
   Value(int value) : content_(static_cast<std::int64_t>(value)) {}  ///< an integer
   Value(double value) : content_(value) {}                          ///< a number
   Value(std::string value) : content_(std::move(value)) {}          ///< a string
@@ -39,16 +41,19 @@ class Value {
   ~Value();                                  ///< frees the tree
 
   [[nodiscard]] bool is_null() const { return content_.index() == 0; }  ///< no value
-  /// The content as this alternative, or null when it is another one.
+  /// The content as this alternative, or null when it is another one. An integer is a
+  /// std::uint64_t if it is above 2^63 - 1, and a std::int64_t otherwise.
   template <typename T>
   [[nodiscard]] const T* get_if() const {
     return std::get_if<T>(&content_);
   }
+  /// An integer or a number as a number; empty for any other content.
+  [[nodiscard]] std::optional<double> number() const;
   /// The member of an object with this name, or null.
   [[nodiscard]] const Value* find(std::string_view name) const;
 
-  /// Calls f with the content: std::monostate, bool, std::int64_t, double, std::string, Array or
-  /// Object.
+  /// Calls f with the content: std::monostate, bool, std::int64_t, double, std::string, Array,
+  /// Object or std::uint64_t.
   template <typename F>
   decltype(auto) visit(F&& f) const {
     return std::visit(std::forward<F>(f), content_);
@@ -57,7 +62,9 @@ class Value {
   friend bool operator==(const Value&, const Value&) = default;  ///< equal kind and content
 
  private:
-  std::variant<std::monostate, bool, std::int64_t, double, std::string, Array, Object> content_;
+  std::variant<std::monostate, bool, std::int64_t, double, std::string, Array, Object,
+               std::uint64_t>
+      content_;
 };
 
 /// "null", "a boolean", "an integer", "a number", "a string", "an array", "an object".

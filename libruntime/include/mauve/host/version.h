@@ -15,6 +15,6 @@ inline constexpr int kVersionPatch = 0;           ///< of semantic versioning
 inline constexpr const char* kVersion = "0.1.0";  ///< as text
 
 /// Raised with every change of a public class that a compiled plugin can see.
-inline constexpr int kAbi = 6;
+inline constexpr int kAbi = 7;
 
 }  // namespace mauve
