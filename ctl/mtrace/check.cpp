@@ -209,11 +209,25 @@ class ResponseCheck {
   std::int64_t since_;
 };
 
-/// The last time at which a component got its priority and CPU: each bound depends on those of all.
-std::int64_t last_scheduled(const std::vector<SeenThread>& threads) {
+/// Each bound depends on the attributes of all components.
+std::int64_t last_bounded(const std::vector<SeenThread>& threads) {
   std::int64_t last = std::numeric_limits<std::int64_t>::min();
-  for (const SeenThread& thread : threads) last = std::max(last, thread.scheduled);
+  for (const SeenThread& thread : threads) last = std::max(last, thread.bounded);
   return last;
+}
+
+/// Since when the thread has the attributes of the header. `last`: its last change.
+void date(SeenThread& seen, const Record* last, const std::vector<const Record*>& records) {
+  const Component* const component = seen.component;
+  // A header without the time is of an older mauved: any change may be that of the attributes.
+  const auto change = last != nullptr ? std::optional(last->time) : std::nullopt;
+  if (component == nullptr) {
+    seen.bounded = records.back()->time;  // it left, or its change is not in the header yet
+    return;
+  }
+  if (const auto at = component->scheduled ? component->scheduled : change) seen.scheduled = *at;
+  if (const auto at = component->timed ? component->timed : change) seen.bounded = *at;
+  seen.bounded = std::max(seen.bounded, seen.scheduled);
 }
 
 }  // namespace
@@ -284,8 +298,7 @@ void check_order(Findings& findings, const std::vector<SeenThread>& threads,
 
 void check_responses(Findings& findings, const std::vector<SeenThread>& threads,
                      const Windows& disturbed) {
-  const ResponseCheck check(findings, disturbed, windows_of_others(threads),
-                            last_scheduled(threads));
+  const ResponseCheck check(findings, disturbed, windows_of_others(threads), last_bounded(threads));
   for (const SeenThread& thread : threads) {
     if (thread.component == nullptr) continue;
     if (!thread.component->bound) {
@@ -318,12 +331,7 @@ Verdict check(const Trace& trace) {
     }
     ++findings.checked.components;
     seen.push_back(check_thread(findings, component, records, barriers));
-    // A header without the time is of an older mauved: any change may be that of the priority.
-    if (component != nullptr && component->scheduled) {
-      seen.back().scheduled = *component->scheduled;
-    } else if (last != nullptr) {
-      seen.back().scheduled = last->time;
-    }
+    date(seen.back(), last, records);
   }
   const Windows disturbed = disturbed_windows(trace);
   check_changes(findings, threads);

@@ -51,6 +51,7 @@ Component component_of(const Json& json) {
   component.budget = integer_in(json, "budget_ns");
   if (json.contains("change")) component.change = integer(json["change"]);
   if (json.contains("scheduled_ns")) component.scheduled = integer(json["scheduled_ns"]);
+  if (json.contains("timed_ns")) component.timed = integer(json["timed_ns"]);
   if (json.contains("bound_ns")) component.bound = integer(json["bound_ns"]);
   for (const Json& cpu : list_in(json, "cpus")) {
     if (const auto number = integer(cpu)) component.cpus.push_back(*number);

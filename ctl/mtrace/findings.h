@@ -34,6 +34,8 @@ struct SeenThread {
   bool whole = false;  ///< from its start on
   /// From then on it has the priority and the CPU of the header.
   std::int64_t scheduled = std::numeric_limits<std::int64_t>::min();
+  /// Up to then the bounds of all components may have been others than those of the header.
+  std::int64_t bounded = std::numeric_limits<std::int64_t>::min();
 };
 
 class Findings {

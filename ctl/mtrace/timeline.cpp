@@ -175,6 +175,18 @@ std::string title_of(const Trace& trace, const Scene& scene) {
   return title;
 }
 
+/// A row has one label: that of the end.
+void report_former_labels(Scene& scene) {
+  for (const Row& row : scene.rows) {
+    const Component& component = *row.lane->component;
+    const std::int64_t since =
+        std::max(component.scheduled.value_or(scene.from), component.timed.value_or(scene.from));
+    if (since <= scene.from) continue;
+    scene.left_out.push_back("the priority, CPU and period of " + component.name + " before " +
+                             instant_in_words(since) + ", which may be others than its row says");
+  }
+}
+
 void report_reading(const Trace& trace, Scene& scene) {
   if (scene.without_arrows > 0) {
     scene.left_out.push_back("the releases of " + counted(scene.without_arrows, "component") +
@@ -211,6 +223,7 @@ Timeline draw_timeline(const Trace& trace, const View& view) {
     draw_control(page, trace, scene, bottom);
   }
   runtime_events.draw_in_front();
+  report_former_labels(scene);
   report_reading(trace, scene);
   std::string file = page.file(title_of(trace, scene), scene.left_out);
   return {std::move(file), scene.from, scene.to, std::move(scene.left_out)};

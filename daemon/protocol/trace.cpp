@@ -23,6 +23,7 @@ Json component_json(const TraceComponent& component) {
             {"budget_ns", component.budget},  {"states", std::move(states)}};
   if (component.change) json["change"] = *component.change;
   if (component.scheduled) json["scheduled_ns"] = *component.scheduled;
+  if (component.timed) json["timed_ns"] = *component.timed;
   if (component.bound) json["bound_ns"] = *component.bound;
   return json;
 }

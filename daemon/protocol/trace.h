@@ -35,6 +35,7 @@ struct TraceComponent {
   std::vector<std::int64_t> cpus;
   bool realtime = false;
   std::optional<std::int64_t> scheduled;  ///< since then it has this priority and these CPUs
+  std::optional<std::int64_t> timed;      ///< since then it has this core, period and budget
   std::int64_t period = 0;                ///< of its grid; zero: it has none
   std::int64_t offset = 0;
   std::int64_t deadline = 0;

@@ -32,6 +32,7 @@ protocol::TraceComponent on_wire(const TracedComponent& component) {
   wire.priority = component.priority;
   wire.cpus.assign(component.cpus.begin(), component.cpus.end());
   wire.scheduled = component.scheduled;
+  wire.timed = component.timed;
   wire.realtime = component.realtime;
   wire.period = component.period.count();
   wire.offset = component.offset.count();

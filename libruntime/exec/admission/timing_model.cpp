@@ -105,6 +105,17 @@ const LockTiming& TimingModel::lock_of(const ResourceBase& resource) {
   return lock;
 }
 
+bool is_timed_alike(const Bundle& a, const Bundle& b) {
+  const bool same_states = std::equal(
+      a.fsm->states().begin(), a.fsm->states().end(), b.fsm->states().begin(),
+      b.fsm->states().end(), [](const FsmState* x, const FsmState* y) {
+        return x->name() == y->name() && x->kind() == y->kind() && x->duration() == y->duration();
+      });
+  return same_states && a.measured == b.measured && a.task.budget == b.task.budget &&
+         a.task.deadline == b.task.deadline && a.task.offset == b.task.offset &&
+         locks_of(*a.bindings) == locks_of(*b.bindings);
+}
+
 std::vector<LockTiming> TimingModel::locks() const {
   std::vector<LockTiming> locks;
   for (const auto& [name, lock] : locks_) locks.push_back(lock);

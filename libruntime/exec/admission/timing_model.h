@@ -59,4 +59,7 @@ class TimingModel {
   std::vector<std::string> contradictions_;
 };
 
+/// Does the model know both alike, but for priority and CPUs? Measured times do not count.
+[[nodiscard]] bool is_timed_alike(const Bundle& a, const Bundle& b);
+
 }  // namespace mauve::exec

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "exec/admission/membership.h"
+#include "exec/admission/timing_model.h"
 #include "exec/commit/commit.h"
 #include "exec/commit/under_way.h"
 #include "exec/recovery/probations.h"
@@ -49,6 +50,9 @@ void Commit::enter(std::size_t index) {
     member.component->renew(*std::exchange(member.type, std::move(before)));
   }
   schedule(system_, *deployed_[index]);
+  if (!is_timed_alike(*member.base, *member.next)) {
+    deployed_[index]->timed = system_.runner->now();
+  }
   system_.runner->look_again();
   // Elements that an abandoned thread may use are freed when that thread has ended: see collect().
   const bool lost = system_.runner->has_abandoned(deployed_[index]->task.get());

@@ -26,6 +26,7 @@ TracedComponent look_at_component(const Deployed& deployed, Instant t0) {
   traced.priority = deployed.priority;
   traced.cpus = deployed.cpus;
   traced.scheduled = deployed.scheduled - t0;
+  traced.timed = deployed.timed - t0;
   traced.realtime = deployed.realtime;
   traced.period = bundle.fsm->grid();
   traced.offset = bundle.task.offset;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "exec/admission/membership.h"
+#include "exec/admission/timing_model.h"
 #include "exec/recovery/incident.h"
 #include "exec/recovery/inherit.h"
 #include "exec/swap/resource_update.h"
@@ -292,6 +293,7 @@ void ProbationPeriod::install_old() {
       deployed->hidden = false;
     }
     schedule(system_, *deployed);
+    if (!is_timed_alike(*member.next, *member.base)) deployed->timed = system_.runner->now();
     retire(*member.next, *member.base, retired_);
     static_cast<void>(
         deployed->task->mailbox().reclaim());  // frees the updates before; their elements stay

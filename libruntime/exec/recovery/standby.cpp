@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/duration.h"
+#include "exec/admission/timing_model.h"
 #include "exec/recovery/incident.h"
 #include "exec/recovery/probations.h"
 #include "exec/system/books.h"
@@ -49,6 +50,9 @@ void take_note(System& system, Deployed& deployed) {
   const StandbyCore used = std::exchange(deployed.standby, {});
   const FaultRecord& fault = used.answer->fault;
   ComponentBase& component = *deployed.component;
+  if (!is_timed_alike(*component.bundle(), *used.member->next)) {
+    deployed.timed = system.runner->now();
+  }
   retire(*component.bundle(), *used.member->next, system.retired);
   static_cast<void>(
       deployed.task->mailbox().reclaim());  // frees the updates before; their elements stay

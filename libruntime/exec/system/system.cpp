@@ -24,7 +24,7 @@ Status start_thread(System& system, Deployed& deployed) {
       *deployed.task, {deployed.component->name(), priority, deployed.cpus, task.stack});
   if (!started) return started;
   deployed.priority = task.priority;
-  deployed.scheduled = system.runner->now();
+  deployed.scheduled = deployed.timed = system.runner->now();
   deployed.realtime = system.realtime && system.runner->is_fifo(*deployed.task, task.priority);
   return ok();
 }

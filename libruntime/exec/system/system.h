@@ -55,6 +55,7 @@ struct Deployed {
   std::vector<int> cpus;
   int priority = 0;
   Instant scheduled = 0;  ///< since then its thread has this priority and these CPUs
+  Instant timed = 0;      ///< since then its bundle is_timed_alike()
   bool realtime = false;
   std::uint64_t lost_events = 0;  ///< reported so far
   std::uint64_t shown = 0;        ///< the change whose bundle the model shows; 0: the first

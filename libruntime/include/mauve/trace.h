@@ -94,6 +94,7 @@ struct TracedComponent {
   int priority = 0;           ///< SCHED_FIFO
   std::vector<int> cpus;      ///< empty: any
   Instant scheduled = 0;      ///< since T0: from then on it has this priority and these CPUs
+  Instant timed = 0;          ///< since T0: from then on it has this core, period and budget
   bool realtime = false;      ///< the system really runs it so
   Duration period{0};         ///< of its grid
   Duration offset{0};         ///< as declared

@@ -96,7 +96,7 @@ class MadeTrace {
     made.priority = 80 - static_cast<std::int64_t>(index);
     made.cpus = {static_cast<std::int64_t>(index % 2)};
     made.realtime = true;
-    made.scheduled = -100 * kUs;
+    made.scheduled = made.timed = -100 * kUs;
     made.period = kPeriods[any(0, 3)] * kUs;
     made.offset = any(0, 3) == 0 ? any(0, 50) * 100 * kUs : 0;
     for (const char* name : {"read", "think", "write"}) made.states.push_back({name, false, 0});

@@ -178,6 +178,28 @@ TEST(TraceCheck, DoesNotJudgeResponsesByABoundThatCameWithALaterPriority) {
   EXPECT_EQ(responds_late_at(20 * kOneMs).found, 1U);
 }
 
+/// So does another core, period or budget, also when a component of the trace has left since.
+TEST(TraceCheck, DoesNotJudgeResponsesByABoundThatCameWithALaterBudget) {
+  const auto responds_late_at = [](std::int64_t release, bool other_leaves) {
+    Short trace;
+    trace.trace.header.components[0].scheduled = -kOneMs;
+    trace.trace.header.components[0].timed = other_leaves ? -kOneMs : 15 * kOneMs;
+    if (other_leaves) trace.add(15 * kOneMs, Event::stopped, {}, 0, 0, "former");
+    for (const std::int64_t one : {0 * kOneMs, 10 * kOneMs, 20 * kOneMs, 30 * kOneMs}) {
+      trace.job(one, one == release ? 3 * kOneMs : kOneMs);
+    }
+    return trace.verdict();
+  };
+  for (const bool other_leaves : {false, true}) {
+    const Verdict before = responds_late_at(10 * kOneMs, other_leaves);
+    EXPECT_TRUE(before.holds()) << first_violation(before);
+    EXPECT_THAT(before.not_checked,
+                testing::Contains("responses beyond the bound before T0 + 0.015000000 s: the "
+                                  "trace has only the later bound"));
+    EXPECT_EQ(responds_late_at(20 * kOneMs, other_leaves).found, 1U);
+  }
+}
+
 TEST(TraceCheck, DoesNotJudgeResponsesInAWindowOfDisturbance) {
   const Verdict verdict = Short()
                               .job(0)

@@ -178,6 +178,23 @@ TEST(Timeline, ShowsWhatIsAskedFor) {
   EXPECT_THAT(drawn.left_out, testing::Contains("there is no component hihg in it"));
 }
 
+TEST(Timeline, SaysSinceWhenARowHasThePriorityOfItsLabel) {
+  Trace trace = Two().trace;
+  View view;
+  view.from = 5 * kMilli;
+  view.to = 15 * kMilli;
+  for (Component& component : trace.header.components) {
+    if (component.name == "high") component.scheduled = 8 * kMilli;
+    if (component.name == "low") component.timed = 4 * kMilli;
+  }
+
+  const Timeline drawn = draw_timeline(trace, view);
+  EXPECT_THAT(drawn.left_out,
+              testing::Contains("the priority, CPU and period of high before T0 + 0.008000000 s, "
+                                "which may be others than its row says"));
+  EXPECT_THAT(drawn.left_out, Not(testing::Contains(HasSubstr("period of low"))));
+}
+
 TEST(Timeline, IsOfBoundedSizeAndSaysWhatItLeavesOut) {
   const Trace trace = MadeTrace(4).make(40, 2000 * kMilli, 8, 60);
   View all;

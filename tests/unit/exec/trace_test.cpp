@@ -211,8 +211,12 @@ TEST_F(TraceOfARamp, SaysWhatItIsAbout) {
 TEST_F(TraceOfARamp, SaysSinceWhenAComponentHasItsPriority) {
   EXPECT_LE(deployer.traced().components[0].scheduled, 0) << "since its thread was started";
   deployer.run_for(15ms);
+  EXPECT_LE(deployer.traced().components[0].timed, 0);
   ASSERT_TRUE(swap_to<ramp::Down>());
   EXPECT_LE(deployer.traced().components[0].scheduled, 0) << "the swap left it as it was";
+  const Instant swapped = deployer.clock().now() - deployer.t0();
+  EXPECT_EQ(deployer.traced().components[0].timed, swapped) << "another core takes another time";
+  deployer.run_for(30ms);
 
   Edit edit{};
   edit.member = "control";
@@ -223,7 +227,14 @@ TEST_F(TraceOfARamp, SaysSinceWhenAComponentHasItsPriority) {
   const Instant now = deployer.clock().now() - deployer.t0();
   EXPECT_EQ(deployer.traced().components[0].priority, 33);
   EXPECT_EQ(deployer.traced().components[0].scheduled, now);
-  EXPECT_GT(now, 0);
+  EXPECT_GT(now, swapped);
+  EXPECT_EQ(deployer.traced().components[0].timed, swapped);
+
+  deployer.run_for(30ms);
+  edit.task->budget = 3ms;
+  ASSERT_TRUE(deployer.apply(Change{{edit}}));
+  EXPECT_EQ(deployer.traced().components[0].timed, deployer.clock().now() - deployer.t0());
+  EXPECT_EQ(deployer.traced().components[0].scheduled, now);
 }
 
 TEST_F(TraceOfARamp, WhatNobodyCollectsIsOverwrittenAndCounted) {
