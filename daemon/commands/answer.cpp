@@ -68,6 +68,14 @@ void remember_change(Running& running, const Call& call, const Json& result,
   remember_cores(running);
 }
 
+/// A stop or a start proves nothing by itself: it continues the proof of the start before it.
+void continue_proof(Running& running, const Call& call) {
+  const auto generation = running.deployer.generation();
+  if (!call.mark && generation != call.before) {
+    carry_unproven(running, generation);
+  }
+}
+
 /// [control] The answer states whether the change was also saved, so it waits for the disk; that of
 /// a stop does not.
 void answer_applied(Running& running, const Call& call, Json result) {
@@ -85,9 +93,7 @@ void answer_applied(Running& running, const Call& call, Json result) {
       lines != result.end() && some_change_is_on_probation(running)) {
     running.rollback_lines.remember(its, *lines);
   }
-  if (!call.mark && generation != call.before) {
-    carry_unproven(running, generation);
-  }
+  continue_proof(running, call);
   auto line = audit_applied(running, call, result);
   if (running.store == nullptr) {
     return call.reply(std::move(result));
@@ -130,6 +136,9 @@ void answer_fault(Running& running, const Call& call, Fault fault) {
       // No start may use a mixture of old and new.
       const auto mark =
           fault.state == "partly" ? std::optional(Confirmation::unconfirmed) : call.mark;
+      if (call.method->effect == protocol::Effect::stops) {
+        continue_proof(running, call);  // a component that hangs stops later
+      }
       keep(running, call, mark, *std::move(line), {});
     } else if (line && running.store != nullptr) {
       running.store->audit(*line);

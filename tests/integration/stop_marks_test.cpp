@@ -46,6 +46,42 @@ TEST_F(Generations, OfAStopAreConfirmedWhenNothingFailed) {
       std::chrono::seconds(60)));
 }
 
+/// `first` hangs in its first job; no guard ends it.
+std::string hanging() {
+  auto architecture = Json::parse(unguarded());
+  architecture["components"]["first"]["core"] = "trial/hanging";
+  return architecture.dump();
+}
+
+TEST_F(Generations, OfAStopOfAComponentThatHangsStartNothingAfterACrash) {
+  TrialDaemon daemon(hanging(), options());
+  ASSERT_TRUE(daemon.becomes("signal.read", 9.0)) << "it hangs";
+  ASSERT_EQ(daemon.ask("change.confirm")["saved"], true);
+  const auto partly = daemon.ask("component.stop", {{"all", true}});
+  ASSERT_EQ(partly["data"]["state"], "safe") << partly;
+  ASSERT_TRUE(eventually([&] { return newest(daemon)["command"] == "component.stop"; }));
+  EXPECT_EQ(newest(daemon)["mark"], "confirmed");
+
+  crash(daemon);
+  daemon.start();
+
+  EXPECT_EQ(daemon.component("first")["state"], "stopped") << daemon.errors();
+  EXPECT_EQ(daemon.component("second")["state"], "stopped");
+}
+
+TEST_F(Generations, OfAStopOfAComponentThatHangsAreConfirmedWithTheStartBeforeIt) {
+  TrialDaemon daemon(hanging(), options());
+  ASSERT_TRUE(daemon.becomes("signal.read", 9.0)) << "it hangs";
+  ASSERT_EQ(daemon.ask("component.stop", {{"all", true}})["data"]["state"], "safe");
+
+  EXPECT_TRUE(eventually(
+      [&] {
+        const auto last = newest(daemon);
+        return last["command"] == "component.stop" && last["mark"] == "confirmed";
+      },
+      std::chrono::seconds(60)));
+}
+
 /// `first` writes a safe value that `second` reads, so they stop one after the other.
 TEST_F(Generations, OfAStopOfAllAreConfirmedAtOnceAndStartNothingAfterACrash) {
   TrialDaemon daemon(kTrial, options());

@@ -333,12 +333,13 @@ Question question_of(const Running& running, const Call& call) {
   return question;
 }
 
-/// All at once: a look while the architecture is walked through could change it.
+/// All at once: a look while the architecture is walked through could change it. A component that
+/// hangs and stops later counts: no start may run it again.
 arch::Parked parked_now(const Running& running) {
   MAUVE_ON_THREAD(control);
   std::set<std::string, std::less<>> parked;
   for (const auto& one : running.deployer.status()) {
-    if (one.state == ComponentState::stopped) {
+    if (one.state == ComponentState::stopped || one.stopping) {
       parked.insert(one.name);
     }
   }

@@ -60,6 +60,7 @@ ComponentStatus look_at(const System& system, const Deployed& deployed) {
   status.cpus = deployed.cpus;
   status.realtime = deployed.realtime;
   status.changing = deployed.changing;
+  status.stopping = deployed.parking;
   status.releases = counters.releases.load(std::memory_order_relaxed);
   status.missed = counters.missed.load(std::memory_order_relaxed);
   status.overruns = counters.overruns.load(std::memory_order_relaxed);
