@@ -56,9 +56,6 @@ std::string counted(std::size_t count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
-/// "core 'x' is unknown (did you mean 'y'?)", with its address in front.
-std::string sentence(const Error& error) { return to_string(error); }
-
 }  // namespace
 
 Daemon::Daemon(Options options)
@@ -71,7 +68,8 @@ Daemon::~Daemon() = default;
 
 int Daemon::run() {
   if (auto opened = open_log(); !opened) {
-    std::cerr << "error: " << sentence(opened.error()) << "\n";
+    notify::status("refused: " + to_string(opened.error()));
+    std::cerr << "error: " << to_string(opened.error()) << "\n";
     return 1;
   }
   log_.write(Event::daemon_starting,
@@ -162,7 +160,7 @@ Status Daemon::load() {
   }
   if (architecture_ == nullptr) {
     return refuse({Errc::invalid_value, "file_has_errors"}, origin_.file,
-                  "has " + counted(problems.size(), "error"), "mauved --check shows them again");
+                  arch::summary(problems.sorted()), "mauved --check shows all");
   }
   supervisor_.adopt(std::move(supervision));
   for (const auto* loaded : catalog_.plugins()) {
@@ -318,7 +316,8 @@ std::string Daemon::state_line() const {
   }
   return architecture_->name() + " is running: " + std::to_string(running) + " of " +
          counted(all.size(), "component") + ", generation " + std::to_string(running_->generation) +
-         ", " + std::to_string(missed) + " missed, " + std::to_string(overruns) + " overruns" +
+         (deployer_->on_probation() || !running_->places.empty() ? " on probation" : "") + ", " +
+         std::to_string(missed) + " missed, " + std::to_string(overruns) + " overruns" +
          (deployer_->realtime() ? "" : ", NOT real time");
 }
 
@@ -392,8 +391,8 @@ void Daemon::leave_by_force(const std::string& cause) {
 }
 
 void Daemon::report_refusal(const Error& error) {
-  log_.write(Event::start_refused, {{"text", sentence(error)}, {"at", error.at}});
-  notify::status("refused: " + sentence(error));
+  log_.write(Event::start_refused, {{"text", to_string(error)}, {"at", error.at}});
+  notify::status("refused: " + to_string(error));
   log_.flush();
 }
 

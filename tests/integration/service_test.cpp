@@ -18,8 +18,14 @@ TEST(Service, IsReadyWhenClientsAreServedAndSaysWhenItStops) {
 
   const auto ready = manager.next();
   EXPECT_THAT(ready, HasSubstr("READY=1"));
-  EXPECT_THAT(ready, HasSubstr("STATUS=trial is running: 2 of 2 components"));
+  EXPECT_THAT(ready, HasSubstr("STATUS=trial is running: 2 of 2 components, generation 1, "));
   EXPECT_TRUE(RawClient(daemon.socket()).connected());
+
+  const Json tried = {{"values", {{"first.core.gain", 3.0}}}, {"confirm_within", "600s"}};
+  ASSERT_EQ(daemon.ask("param.set", tried)["state"], "applied");
+  EXPECT_TRUE(eventually([&] {
+    return manager.next().find("generation 2 on probation, ") != std::string::npos;
+  })) << "a line comes every two seconds";
 
   daemon.process().signal(SIGTERM);
   EXPECT_THAT(manager.next(), HasSubstr("STOPPING=1"));
@@ -163,6 +169,17 @@ TEST(Service, ReportsAllErrorsOfAFileAndStartsNothing) {
   EXPECT_THAT(errors, HasSubstr("did you mean \"trial/steady\"?"));
   EXPECT_THAT(errors, HasSubstr("unknown key \"tsk\""));
   EXPECT_FALSE(std::filesystem::exists(daemon.socket()));
+}
+
+TEST(Service, SaysInOneLineToTheServiceManagerWhyItDoesNotStart) {
+  const NotifySocket manager;
+  TrialDaemon daemon("{\n  \"schema\": \"mauve/architecture/1\",\n  \"nmae\": 1, \"tsk\": 2\n}\n");
+
+  EXPECT_EQ(daemon.process().wait(), 1);
+  const auto status = manager.next();
+  EXPECT_THAT(status, testing::StartsWith("STATUS=refused: "));
+  EXPECT_THAT(status, HasSubstr("trial.json: has 3 errors, the first in line 1: "));
+  EXPECT_THAT(status, HasSubstr("\"name\" is missing"));
 }
 
 TEST(Service, RefusesAFileWhoseHooksRefuse) {

@@ -15,6 +15,17 @@ std::string to_string(const Problem& problem, std::string_view file) {
   return text + to_string(problem.error);
 }
 
+std::string summary(const std::vector<Problem>& problems) {
+  const Problem& first = problems.front();
+  const bool more = problems.size() > 1;
+  std::string text =
+      "has " + std::to_string(problems.size()) + (more ? " errors, the first" : " error");
+  if (first.where.line != 0) text += " in line " + std::to_string(first.where.line);
+  text += ": ";
+  if (!first.error.at.empty()) text += first.error.at + ": ";
+  return text + first.error.message;
+}
+
 void Problems::add(Position where, Error error) { found_.push_back({where, std::move(error)}); }
 
 void Problems::add(Position where, Reason reason, std::string at, std::string message,

@@ -46,4 +46,8 @@ class Problems {
   std::vector<Problem> found_;
 };
 
+/// "has 2 errors, the first in line 7: control.task.priority: must be from 1 to 98". There is at
+/// least one.
+[[nodiscard]] std::string summary(const std::vector<Problem>& problems);
+
 }  // namespace mauve::arch
