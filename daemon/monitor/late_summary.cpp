@@ -66,6 +66,22 @@ std::vector<RuntimeEvent> LateSummary::finish(const std::string& component, Inst
   return lines;
 }
 
+std::size_t LateSummary::missed_together() {
+  Instant newest = 0;
+  for (const auto& one : all_) {
+    newest = one.last.event == kMissed ? std::max(newest, one.last.time) : newest;
+  }
+  const auto count = std::count_if(all_.begin(), all_.end(), [&](const Counted& one) {
+    return one.last.event == kMissed && newest - one.last.time <= kTogether.count();
+  });
+  const bool reported = together_ != 0 && newest - together_ < kEach.count();
+  if (reported || count < static_cast<std::ptrdiff_t>(kSeveral)) {
+    return 0;
+  }
+  together_ = newest;
+  return static_cast<std::size_t>(count);
+}
+
 /// "12 more releases missed in 10 s, 40 in all"
 RuntimeEvent LateSummary::summary(Counted& counted, Instant now) {
   RuntimeEvent line = counted.last;

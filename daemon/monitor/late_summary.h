@@ -2,6 +2,7 @@
 /// How often the log reports that a component is late: on a late machine it may be so in every job.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +17,8 @@ namespace mauve::daemon {
 class LateSummary {
  public:
   static constexpr Duration kEach{10s};
+  static constexpr Duration kTogether{20ms};
+  static constexpr std::size_t kSeveral = 3;
 
   /// Is this happening one of those that may be only counted?
   [[nodiscard]] static bool concerns(const RuntimeEvent& happening);
@@ -25,6 +28,9 @@ class LateSummary {
   [[nodiscard]] std::vector<RuntimeEvent> due(Instant now);
   /// The counts of this component, at once, because it has stopped.
   [[nodiscard]] std::vector<RuntimeEvent> finish(const std::string& component, Instant now);
+  /// How many components missed releases within kTogether of the newest miss; zero: fewer than
+  /// kSeveral, or it was reported within kEach.
+  [[nodiscard]] std::size_t missed_together();
 
  private:
   struct Counted {
@@ -34,6 +40,7 @@ class LateSummary {
   };
   [[nodiscard]] static RuntimeEvent summary(Counted& counted, Instant now);
 
+  Instant together_ = 0;      ///< the miss of the last report; 0: none
   std::vector<Counted> all_;  ///< a few: one for each component and event
 };
 

@@ -142,6 +142,10 @@ logging::Log::Source runtime_events_of(Deployer& deployer, Supervisor& superviso
         take(ignored_request(happening, ignored));
       }
     });
+    if (const auto together = late->missed_together(); together > 0) {
+      take(logging::make_record(Event::missed_together,
+                                {{"count", static_cast<std::int64_t>(together)}}));
+    }
   };
 }
 

@@ -78,6 +78,32 @@ TEST(LateSummary, IsFinishedWhenTheComponentStops) {
   EXPECT_TRUE(summary.finish("arm", 3 * kSummarySecond).empty());
 }
 
+TEST(LateSummary, CountsComponentsThatMissReleasesTogetherOnceInTenSeconds) {
+  LateSummary summary;
+  const auto miss = [&](Instant time, const std::string& component) {
+    static_cast<void>(summary.pass(missed(time, 1, 1, component)));
+  };
+  constexpr Instant kMs = kSummarySecond / 1000;
+  miss(kSummarySecond, "arm");
+  miss(kSummarySecond + 1 * kMs, "leg");
+  miss(kSummarySecond + 30 * kMs, "head");
+  EXPECT_EQ(summary.missed_together(), 0U) << "two at one time, and one later";
+
+  miss(kSummarySecond + 35 * kMs, "arm");
+  miss(kSummarySecond + 50 * kMs, "leg");
+  EXPECT_EQ(summary.missed_together(), 3U);
+  EXPECT_EQ(summary.missed_together(), 0U) << "once";
+
+  for (const char* component : {"arm", "leg", "head"}) {
+    miss(9 * kSummarySecond, component);
+  }
+  EXPECT_EQ(summary.missed_together(), 0U) << "too soon";
+  for (const char* component : {"arm", "leg", "head"}) {
+    miss(12 * kSummarySecond, component);
+  }
+  EXPECT_EQ(summary.missed_together(), 3U);
+}
+
 TEST(LateSummary, ConcernsNothingElse) {
   EXPECT_TRUE(LateSummary::concerns(missed(0, 1, 1)));
   EXPECT_FALSE(LateSummary::concerns({0, LogLevel::error, "arm", "faulted", "threw"}));
