@@ -112,7 +112,7 @@ TEST_F(Diff, ConnectsEveryPortOfAReplacedResourceAnew) {
   ASSERT_EQ(difference.change.new_resources.size(), 1U);
   ASSERT_EQ(difference.change.edits.size(), 2U);
   const Edit& relay = difference.change.edits[0];
-  EXPECT_EQ(relay.component, "relay");
+  EXPECT_EQ(relay.member, "relay");
   EXPECT_THAT(relay.disconnect, ElementsAre("next"));
   EXPECT_THAT(said(relay.connect), ElementsAre("next=pose.write/0"));
   const Edit& left = difference.change.edits[1];

@@ -228,7 +228,7 @@ TEST_F(Diff, FindsHowLongAResourceIsHeld) {
   const Difference longer = to_with("\"lock_budget\": \"50us\"", "\"lock_budget\": \"1.5ms\"");
   EXPECT_THAT(said(longer.lines),
               ElementsAre("~ lock_budget relay.lock_budget: \"50us\" -> \"1.5ms\""));
-  EXPECT_EQ(only_edit(longer).component, "relay");
+  EXPECT_EQ(only_edit(longer).member, "relay");
   EXPECT_EQ(only_edit(longer).lock_budget, 1500us);
 
   const Difference withdrawn = to_with(", \"lock_budget\": \"50us\"", "");
