@@ -147,7 +147,7 @@ TEST(Show, OfACoreHasItsTypeItsStateAndItsProperties) {
 TEST(Show, OfATypeOfDataHasItsSizeAndItsFields) {
   TrialDaemon daemon;
   std::filesystem::copy_file(MAUVE_PLUGIN_DIR "/types.so", daemon.plugins() / "types.so");
-  ASSERT_EQ(daemon.ask("plugin.load", {{"plugin", "types"}})["state"], "applied");
+  ASSERT_EQ(daemon.ask("plugin.load", {{"plugin", "types"}})["loaded"], true);
 
   const auto type = daemon.ask("object.get", {{"address", "velocity/1"}});
   const auto number = daemon.ask("object.get", {{"address", "double"}});

@@ -56,12 +56,12 @@ TEST(RenderObject, ShowsTheFieldsOfATypeAlsoThoseOfStructuresAndArrays) {
             "type     path/1\n"
             "bytes    280\n"
             "fields\n"
-            "  NAME        TYPE                          UNIT  TEXT\n"
+            "  NAME        TYPE                           UNIT  TEXT\n"
             "  goal        structure\n"
-            "  goal.x      double                        m\n"
-            "  gains       array of 3 float                    P, I, D\n"
+            "  goal.x      double                         m\n"
+            "  gains       array of 3 float                     P, I, D\n"
             "  points      array of at most 8 structures\n"
-            "  points[].x  double                        m\n");
+            "  points[].x  double                         m\n");
 }
 
 TEST(RenderHistory, IsATableOfWhoWhatAndWhy) {
