@@ -7,8 +7,22 @@
 
 #include "exec/recovery/probations.h"
 #include "exec/recovery/standby.h"
+#include "exec/task/safe_values.h"
+
+#include <mauve/host/component.h>
 
 namespace mauve::exec {
+namespace {
+
+/// For a task whose thread was abandoned and could not be replaced.
+void write_for_tasks_without_thread(System& system) {
+  for (Deployed& deployed : system.deployed) {
+    if (!deployed.task->wants_safe_values() || deployed.component == nullptr) continue;
+    write_safe_values_on_behalf(*deployed.component->bundle());
+  }
+}
+
+}  // namespace
 
 /// Probations come first: a stop may make a task forget the rollback that it took. But they wait
 /// until the command that made a change has read its generation, which is saved before the next one
@@ -16,6 +30,7 @@ namespace mauve::exec {
 void advance(System& system) {
   system.looks.fetch_add(1);
   if (system.stands_still > 0) return;
+  write_for_tasks_without_thread(system);
   if (const ModelLock::Hold hold(system.model, std::try_to_lock); hold) look_after_itself(system);
   std::erase_if(system.under_way, [](const std::shared_ptr<Commit>& commit) {
     static_cast<void>(commit->advance());

@@ -8,7 +8,6 @@
 #include "exec/commit/under_way.h"
 #include "exec/system/report_control.h"
 #include "exec/task/safe_values.h"
-#include "rt/thread/deadline.h"
 
 #include <mauve/host/receipt.h>
 #include <mauve/host/resource.h>
@@ -65,8 +64,6 @@ std::map<const Deployed*, std::size_t> stage_numbers(const std::list<Deployed>& 
 constexpr Duration kNearRelease = 100ms;
 /// It waits no longer than this for all readers together.
 constexpr Duration kReadersMayTake = 500ms;
-/// The time for the safe values of one component: services that write them may be code of a plugin.
-constexpr Duration kWritingMayTake = 200ms;
 
 }  // namespace
 
@@ -172,9 +169,7 @@ void Stop::take_answer(const Commit& commit) {
 
 void Stop::stop_waiting_for(Deployed& deployed) {
   if (deployed.component == nullptr || !hung_.insert(&deployed).second) return;
-  // Its thread is stuck in user code: the outputs get their safe values from here.
-  const rt::Deadline deadline(kWritingMayTake);
-  write_safe_values(*deployed.component->bundle(), false, deadline.watched());
+  write_safe_values_on_behalf(*deployed.component->bundle());
 }
 
 void Stop::begin_reading() {

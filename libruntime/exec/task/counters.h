@@ -25,6 +25,7 @@ struct Counters {
   std::atomic<std::int64_t> next_release{0};
   std::atomic<std::uint32_t> fsm_state{0};
   std::atomic<ComponentState> state{ComponentState::stopped};
+  std::atomic<bool> without_thread{false};  ///< [control] is to write its safe values
   std::atomic<bool> suspected{false};  ///< its last jobs exceeded their budget, without a verdict
 };
 

@@ -174,6 +174,7 @@ void FaultReaction::park_for_good(const char* why) {
   auto& text = task_.report.fault().text;
   std::snprintf(text.data(), text.size(), "%s", why);
   report(Cause::hung);
+  task_.report.counters().without_thread.store(true);
   task_.park(ComponentState::faulted);
 }
 

@@ -35,7 +35,8 @@ class FaultReaction {
   /// On probation: triggers the rollback of the change. The core goes on until its next release.
   void trigger_rollback();
   void overran_too_often();
-  /// No thread is left for the task.
+  /// No thread is left for the task. The guard calls it, which must not run code of a plugin, so
+  /// [control] writes the safe values.
   void park_for_good(const char* why);
   /// A service that does not return is ended as a job is.
   void write_safe_values();

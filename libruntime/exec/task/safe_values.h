@@ -2,7 +2,10 @@
 /// Safe values of a component that cannot write them itself.
 #pragma once
 
+#include <chrono>
+
 #include "exec/task/write_quietly.h"
+#include "rt/thread/deadline.h"
 
 #include <mauve/host/component.h>
 #include <mauve/shell.h>
@@ -24,6 +27,13 @@ inline void write_safe_values(const Bundle& bundle, bool by_owner,
     const Binding* binding = (*bundle.bindings)[port->index()].get();
     if (binding != nullptr) write_quietly(*port, *binding, by_owner, watched);
   }
+}
+
+/// [control] The same for a component whose thread is stuck in user code, or that has none left.
+/// Services that write may be code of a plugin, so their time is limited.
+inline void write_safe_values_on_behalf(const Bundle& bundle) {
+  const rt::Deadline deadline{std::chrono::milliseconds(200)};
+  write_safe_values(bundle, false, deadline.watched());
 }
 
 }  // namespace mauve::exec

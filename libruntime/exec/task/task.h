@@ -58,6 +58,8 @@ class Task {
   /// Its thread had another priority or other CPUs than its component asked for.
   void count_restored() { add<std::uint64_t>(context_.report.counters().restored, 1); }
   void park_for_good(const char* why) { faults_.park_for_good(why); }  ///< no other thread is left
+  /// [control] It was parked for good, and nobody has written its safe values yet: true once.
+  bool wants_safe_values() { return context_.report.counters().without_thread.exchange(false); }
   /// While a direct stop waits for its end, a job may take so long.
   static constexpr Duration kHaltedJob = 2s;
 

@@ -132,6 +132,16 @@ TEST_F(LetGo, AStopParksWhatCameBackBeforeItIsInTheBooks) {
   EXPECT_EQ(system.find("control")->state(), ComponentState::stopped);
 }
 
+/// The guard parked its task, whose thread was abandoned and could not be replaced.
+TEST_F(LetGo, AComponentWithoutAThreadGetsItsSafeValuesFromTheCoordinator) {
+  ASSERT_NE(ramp::read(architecture.position), -1.0);
+
+  system.deployed.front().task->park_for_good("there is no new thread");
+  look();
+
+  EXPECT_EQ(ramp::read(architecture.position), -1.0);
+}
+
 struct Scaled final : Core<EmptyShell> {
   ~Scaled() override { orphans += meter().expired() ? 1 : 0; }
   /// The resource of the test.
