@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Components that wait at the barrier of a change.
+/// The components that wait at the barrier of a change, and how long.
 #pragma once
 
 #include <vector>
@@ -18,7 +18,7 @@ class System;
 [[nodiscard]] std::vector<ComponentBase*> bystanders_of(const System& system,
                                                         const PreparedChange::Content& content);
 
-/// The components that run and would wait now.
+/// The members and bystanders that run, each with the number of releases that it may lose.
 [[nodiscard]] std::vector<PreparedBarrier::Wait> waits_of(System& system,
                                                           const PreparedChange::Content& content);
 

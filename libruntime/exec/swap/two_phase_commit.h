@@ -1,16 +1,25 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The swap: how a change takes effect on N components at one logical instant.
 ///
-///   coordinator [control]                        member [rt]
-///   choose the instant tc on the common clock
-///   put the new bundle into each mailbox
-///   decide: CAS prepared -> committed,           at a boundary r >= tc: CAS prepared -> aborted;
-///     unless tc is too near: -> aborted            committed: take it; aborted: give it back
-///   wake members that sleep                      asleep and r >= tc, committed: take it now
+///   coordinator [control], in attempt():
+///     It chooses the instant tc on the common clock, and puts an update into each mailbox.
+///     It decides: CAS prepared -> committed, or prepared -> aborted when tc is too near.
+///     It wakes all members.
 ///
-/// The first change of the word decides for all: jobs released before tc are old everywhere, at or
-/// after tc new everywhere, or nothing happened. No member ever waits for another, and the
-/// coordinator only looks now and then at their progress. A resource has no thread: see
+///   member [rt], whose next release is r, in Boundary::serve(), after each job and each wake-up:
+///     Aborted: it gives the update back.
+///     Committed, r >= tc, and r is not due: it takes the update, and answers.
+///
+///   member [rt], in Boundary::meet(), when r is due:
+///     r < tc: the job of r is old.
+///     r >= tc, not committed: CAS prepared -> aborted, the update goes back, the job of r is old.
+///     r >= tc, committed: it takes the update, runs the job of r, and answers.
+///
+/// The first transition of the state decides for all: jobs released before tc are old everywhere,
+/// at or after tc new everywhere, or nothing happened. The common case is serve(): a member between
+/// two jobs takes the update there, even before tc, and so does a member that does not run,
+/// whatever r is. A simulation calls serve() at wake-ups only. No member ever waits for another,
+/// and the coordinator only looks now and then at their progress. A resource has no thread: see
 /// resource_update.h.
 #pragma once
 
@@ -33,11 +42,11 @@ struct Member {
   std::unique_ptr<TaskUpdate> next;  ///< while no task owns it
   TaskUpdate* update = nullptr;      ///< while a task owns it; freed once the task has left it
   std::shared_ptr<const TaskUpdate::Answer> answer;  ///< of `update`; outlives it
-  bool settled = false;   ///< its thread has answered, or the swap gave it up
-  bool in_force = false;  ///< it runs with `next` now
-  Duration pause{0};      ///< the answer of its thread
-  std::size_t bytes = 0;
-  bool failed = false;  ///< it runs with `next`, whose state was not converted
+  bool settled = false;   ///< its thread has answered, or the coordinator does not wait any more
+  bool in_force = false;  ///< it runs with the update, or has claimed it
+  Duration pause{0};      ///< its next job begins at most so much later
+  std::size_t bytes = 0;  ///< of the state that was handed over
+  bool failed = false;    ///< it runs with the update, but its state was not converted
 };
 
 /// One resource's part.

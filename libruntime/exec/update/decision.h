@@ -21,10 +21,13 @@ inline constexpr Instant kNever = std::numeric_limits<Instant>::max();
 inline constexpr Instant kClosed = kNever - 1;  ///< of a rollback that is not needed any more
 /// Of a rollback that is being triggered: its instant follows soon.
 inline constexpr Instant kBeingTriggered = kNever - 2;
-/// No thread decides nearer to the instant than this: a member might be at its boundary already.
+/// No thread commits a change of components nearer to its instant than this: a member might be at
+/// its boundary already. Only orders, and the last attempt of a rollback, commit first and set the
+/// instant then.
 inline constexpr Duration kDecisionMargin{50'000};
 
-/// Whether a change happens, and at which instant. The first change of the state decides for all.
+/// Whether a change happens, and at which instant. The first transition of the state decides for
+/// all.
 class Decision {
  public:
   enum class State : std::uint32_t { prepared, committed, aborted };
@@ -52,7 +55,8 @@ class Decision {
     if (decide(State::aborted) == State::aborted) {
       return tries_again_ ? Verdict::go_on : Verdict::give_back;
     }
-    return release < instant() ? Verdict::go_on : Verdict::take;  // that was another attempt's
+    // The first comparison may have met the instant of an earlier attempt, which was aborted.
+    return release < instant() ? Verdict::go_on : Verdict::take;
   }
   /// It is aborted, and there is no other attempt.
   [[nodiscard]] bool is_final_abort() const { return !tries_again_ && state() == State::aborted; }
@@ -82,14 +86,16 @@ class Decision {
 };
 
 /// The rollback from a change on probation: a decision that waits for its instant. The first member
-/// that fails, or [control], triggers it for all, in four steps:
+/// that fails, or [control], triggers it for all, in five steps:
 ///
 ///   1. It claims the instant (never -> being triggered), so that no other member triggers it.
 ///   2. It aborts a newer change that is under way. When that one is committed, the rollback is
 ///      closed instead.
-///   3. It writes the cause and sets the instant: now + lead.
-///   4. It decides (prepared -> committed). When the instant is too near, or a member has aborted
-///      the decision, it begins again at step 3.
+///   3. It writes the cause.
+///   4. It sets the instant: now + lead.
+///   5. It decides (prepared -> committed). When the instant is too near, or a member has aborted
+///      the decision, it begins again at step 4 with twice the lead. After six attempts it commits
+///      first and sets the instant then, so no member can abort the decision.
 ///
 /// A member that comes to a boundary at or after the instant aborts a decision that is still
 /// prepared, and goes on. When the decision is committed the member goes back.
@@ -102,8 +108,8 @@ class Rollback {
   bool trigger(const Clock& clock, const FaultRecord& fault, const TaskReport* member);
   /// Triggers the rollback by request, without a failed member.
   bool trigger(const Clock& clock, std::string_view reason);
-  /// [control] Closes the rollback: it cannot be triggered any more. False: it was triggered
-  /// before.
+  /// [control] Closes the rollback: it cannot be triggered any more. False: it was triggered or
+  /// closed before.
   bool close() { return decision_.claim(kClosed); }
   /// [control] A newer change is about to be decided: either that change happens or this rollback.
   /// Null: the newer change came to nothing.

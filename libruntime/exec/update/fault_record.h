@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// FaultRecord: a failure as the task that fails records it, all at the same instant. Rollbacks and
-/// standby cores carry a copy of their own, so that a later failure of the same component does not
-/// mix with it.
+/// FaultRecord: one failure, which the task writes in its reaction to it; the guard does when the
+/// task has no thread left. Rollbacks and standby cores carry a copy of their own, so that a later
+/// failure of the same component does not mix with it.
 #pragma once
 
 #include <algorithm>

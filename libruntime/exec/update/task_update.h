@@ -31,7 +31,7 @@ class PrefetchSet;
 enum class AppliedAs : std::uint8_t { change, back, standby, barrier };
 
 /// All that a change hands to one task: the new bundle, and the data that lets the task take it
-/// with a few pointer stores. Immutable after publication but for the answer.
+/// with a few pointer stores. After publication only the side that has claimed it may write it.
 struct TaskUpdate {
   /// At a barrier, `wait` suspends the task: it runs no job from the instant on. `go_on`, or the
   /// next change, resumes it. The task keeps its bundle, and is not seen to be stopped.
@@ -41,9 +41,10 @@ struct TaskUpdate {
   Decision* decision = nullptr;
   Barrier barrier = Barrier::none;
   AppliedAs applied_as = AppliedAs::change;
-  std::uint64_t number = 0;  ///< of the change, see System::changes; 0: it is none of [control]
+  /// Of the change, see System::changes; 0: of a standby core, or of the first bundle of the task.
+  std::uint64_t number = 0;
   Mode mode = Mode::keep;
-  bool mode_only = false;  ///< the bundle stays; after a rollback it may be an older one
+  bool mode_only = false;  ///< the task keeps the bundle that it has, and ignores `bundle`
   bool restart = false;    ///< begin at the initial state, on the next instant of the grid
   bool offset_changes = false;
   bool other_core = false;       ///< other code: measured times do not hold for it
@@ -51,7 +52,7 @@ struct TaskUpdate {
   bool count_gap = false;        ///< releases that passed while parked count as missed (in place)
   Duration grid{0};
   Duration shortest_wait{0};
-  Duration bound{0};  ///< a job that runs longer never returns; zero: no bound
+  Duration bound{0};  ///< a longer job is interrupted, or its thread abandoned; zero: no bound
   std::shared_ptr<const PrefetchSet> prefetch;  ///< of the bundle; null: not known
   /// By index of the state of the old machine: the state of the new one; null: begin anew.
   std::vector<FsmState*> state_map;
@@ -60,10 +61,10 @@ struct TaskUpdate {
   /// Ports that lose their service: their safe values are written first.
   std::vector<std::pair<const PortBase*, const Binding*>> safe_writes;
 
-  /// On probation: the update to which this one is rolled back when a member fails. Both null: no
-  /// probation.
+  /// On probation: the update to which this one is rolled back when a member fails. Null: no
+  /// probation, or this is such an update itself.
   std::unique_ptr<TaskUpdate> back;
-  Rollback* rollback = nullptr;
+  Rollback* rollback = nullptr;         ///< it triggers `back`, or this update; null: neither
   unsigned tolerated = 0;               ///< overruns among the jobs of `window`
   std::uint64_t window = ~0ULL;         ///< a bit for each job that counts
   std::unique_ptr<TaskUpdate> standby;  ///< that stands by from the first job on; or null
@@ -76,12 +77,12 @@ struct TaskUpdate {
   };
   /// The answer of the task; it outlives the update.
   struct Answer {
-    Duration pause{0};  ///< this and the next: valid when done
-    std::size_t bytes = 0;
-    bool failed = false;  ///< its state was not converted; also valid when done
-    FaultRecord fault;    ///< of a standby core: the one it took over from; also valid when done
-    /// The last field that the task writes. Afterwards it touches neither this nor the transaction,
-    /// but for the bundle that it runs with.
+    /// The next job begins at most so much later. This and the next three are valid when done.
+    Duration pause{0};
+    std::size_t bytes = 0;  ///< of the state that was handed over
+    bool failed = false;    ///< its state was not converted
+    FaultRecord fault;      ///< of a standby core: of the core from which it took over
+    /// The task writes this last. Then it reads neither the answer nor the decision any more.
     std::atomic<Progress> progress{Progress::published};
   };
   const std::shared_ptr<Answer> answer = std::make_shared<Answer>();
