@@ -355,7 +355,7 @@ void ProbationPeriod::report(Outcome::Kind kind, const std::string& reason) {
   if (kind == Outcome::Kind::rolled_back) {
     end.commit = Duration{rollback_->decision().instant() - system_.t0};
     for (const MemberRollback& member : members_) {
-      if (&member.deployed->task->report() == rollback_->member()) {
+      if (&member.deployed->task->report() == rollback_->failed_member()) {
         end.component = member.deployed->task->name();
       }
     }

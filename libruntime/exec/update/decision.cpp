@@ -19,7 +19,8 @@ bool Rollback::trigger(const Clock& clock, std::string_view reason) {
   return trigger(clock, asked, nullptr);
 }
 
-bool Rollback::trigger(const Clock& clock, const FaultRecord& fault, const TaskReport* member) {
+bool Rollback::trigger(const Clock& clock, const FaultRecord& fault,
+                       const TaskReport* failed_member) {
   if (!decision_.claim(kBeingTriggered)) return false;
   Decision* const newer = newer_.load();
   if (newer != nullptr && newer->decide(Decision::State::aborted) == Decision::State::committed) {
@@ -27,7 +28,7 @@ bool Rollback::trigger(const Clock& clock, const FaultRecord& fault, const TaskR
     return false;
   }
   fault_ = fault;
-  member_ = member;
+  failed_member_ = failed_member;
   decide(clock);
   reported_.store(true, std::memory_order_release);
   return true;

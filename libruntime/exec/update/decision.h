@@ -105,7 +105,7 @@ class Rollback {
 
   /// [any] Bounded, no lock. False: it was triggered before, is closed, or a newer change is
   /// committed.
-  bool trigger(const Clock& clock, const FaultRecord& fault, const TaskReport* member);
+  bool trigger(const Clock& clock, const FaultRecord& fault, const TaskReport* failed_member);
   /// Triggers the rollback by request, without a failed member.
   bool trigger(const Clock& clock, std::string_view reason);
   /// [control] Closes the rollback: it cannot be triggered any more. False: it was triggered or
@@ -126,7 +126,8 @@ class Rollback {
   [[nodiscard]] bool reported() const { return reported_.load(std::memory_order_acquire); }
   [[nodiscard]] Cause cause() const { return fault_.cause; }
   [[nodiscard]] const FaultRecord& fault() const { return fault_; }
-  [[nodiscard]] const TaskReport* member() const { return member_; }
+  /// Null: the rollback was requested.
+  [[nodiscard]] const TaskReport* failed_member() const { return failed_member_; }
   [[nodiscard]] const char* text() const { return fault_.text.data(); }
 
  private:
@@ -146,7 +147,7 @@ class Rollback {
   std::vector<std::shared_ptr<Decision>> all_newer_;  // a member may still be looking at one
   std::atomic<bool> reported_{false};
   FaultRecord fault_;
-  const TaskReport* member_ = nullptr;
+  const TaskReport* failed_member_ = nullptr;
 };
 
 }  // namespace mauve::exec
