@@ -87,7 +87,7 @@ bool ProbationPeriod::advance() {
 }
 
 void ProbationPeriod::watch() {
-  if (rollback_->reported()) {
+  if (rollback_->decided()) {
     phase_ = Phase::going_back;
     report_control(system_, TraceKind::rollback, content_->what, rollback_->decision().instant(),
                    number_);
@@ -244,7 +244,7 @@ bool ProbationPeriod::all_quiescent() const {
 void ProbationPeriod::go_back() {
   const Instant now = system_.runner->now();
   for (auto& update : updates_) update->help(now);
-  if (!rollback_->reported() || !all_are_back() || !may_let_go()) return;
+  if (!rollback_->decided() || !all_are_back() || !may_let_go()) return;
   report(Outcome::Kind::rolled_back, culprit());
   install_old();
   retire_kept(members_, *content_, retired_);

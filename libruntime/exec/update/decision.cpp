@@ -30,7 +30,7 @@ bool Rollback::trigger(const Clock& clock, const FaultRecord& fault,
   fault_ = fault;
   failed_member_ = failed_member;
   decide(clock);
-  reported_.store(true, std::memory_order_release);
+  decided_.store(true, std::memory_order_release);
   return true;
 }
 

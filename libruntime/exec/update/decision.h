@@ -123,7 +123,7 @@ class Rollback {
     return instant != kNever && instant != kClosed;
   }
   /// Triggered and decided, and its record can be read.
-  [[nodiscard]] bool reported() const { return reported_.load(std::memory_order_acquire); }
+  [[nodiscard]] bool decided() const { return decided_.load(std::memory_order_acquire); }
   [[nodiscard]] Cause cause() const { return fault_.cause; }
   [[nodiscard]] const FaultRecord& fault() const { return fault_; }
   /// Null: the rollback was requested.
@@ -145,7 +145,7 @@ class Rollback {
   Attempts decision_;
   std::atomic<Decision*> newer_{nullptr};
   std::vector<std::shared_ptr<Decision>> all_newer_;  // a member may still be looking at one
-  std::atomic<bool> reported_{false};
+  std::atomic<bool> decided_{false};
   FaultRecord fault_;
   const TaskReport* failed_member_ = nullptr;
 };

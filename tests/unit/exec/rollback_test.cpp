@@ -38,7 +38,7 @@ TEST_F(RollbackTrigger, LeadsAllBackFromOneInstantOn) {
   EXPECT_EQ(back.decision().meet(clock.time), Verdict::go_on);
   ASSERT_TRUE(trigger());
 
-  EXPECT_TRUE(back.reported());
+  EXPECT_TRUE(back.decided());
   EXPECT_EQ(instant(), clock.time + 200'000);
   EXPECT_EQ(back.decision().meet(instant() - 1), Verdict::go_on);
   EXPECT_EQ(back.decision().meet(instant()), Verdict::take);
