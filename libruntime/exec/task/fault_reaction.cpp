@@ -61,7 +61,7 @@ void FaultReaction::record(Cause cause) {
   fault.time = task_.clock.now();
   fault.cause = cause;
   fault.job = counters.releases.load(std::memory_order_relaxed);
-  fault.inside = task_.failed_in;
+  fault.failed_in = task_.failed_in;
   copy_text(fault.core, task_.current->bundle->core_type.name);
   const auto& states = task_.current->bundle->fsm->states();
   const std::size_t index = counters.fsm_state.load(std::memory_order_relaxed);

@@ -55,7 +55,8 @@ struct FaultRecord {
   std::array<char, 128> text{};
   std::array<char, 64> core{};
   std::array<char, 64> state{};
-  const void* inside = nullptr;  ///< lock of the resource that failed it; null: it failed itself
+  /// The lock of the resource in whose service the job failed; null: the core is to blame.
+  const void* failed_in = nullptr;
 };
 
 }  // namespace mauve::exec
