@@ -267,7 +267,7 @@ void Commit::lead_late_members_back() {
     member.back = back.get();
     member.answer = back->answer;
     member.in_force = true;
-    member.deployed->task->mailbox().put_back(*back.release());
+    member.deployed->task->mailbox().publish_rollback(*back.release());
     system_.runner->wake(*member.deployed->task);
   }
 }

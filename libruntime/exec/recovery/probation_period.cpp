@@ -209,7 +209,7 @@ void ProbationPeriod::keep_parked() {
     if (content_->members[i].part != Part::leaves || !task.mailbox().claim_rollback(*back))
       continue;
     back->mode = Mode::park;
-    task.mailbox().put_back(*back);
+    task.mailbox().publish_rollback(*back);
     system_.runner->wake(task);
   }
 }

@@ -23,7 +23,7 @@ class Mailbox {
 
   // --- [control] --------------------------------------------------------------------------------
   void publish(TaskUpdate& next) { pending_.store(&next, std::memory_order_release); }
-  void put_back(TaskUpdate& back) { back_.store(&back, std::memory_order_release); }
+  void publish_rollback(TaskUpdate& back) { back_.store(&back, std::memory_order_release); }
   /// The update takes over by itself when the core fails; the task owns it. False: it has one.
   bool stand_by(TaskUpdate& standby);
   /// The updates that the task does not use any more, the newest first.
