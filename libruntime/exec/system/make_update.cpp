@@ -80,7 +80,7 @@ Duration bound_of(const Bundle& bundle) {
 std::unique_ptr<TaskUpdate> first_bundle(const ComponentBase& component, Mode mode) {
   auto first = std::make_unique<TaskUpdate>();
   first->bundle = component.bundle();
-  first->prefetch = std::make_shared<const PrefetchSet>(*first->bundle);
+  first->prefetch_set = std::make_shared<const PrefetchSet>(*first->bundle);
   first->bound = bound_of(*component.bundle());
   first->has_safe_values = has_safe_values(*component.bundle());
   first->grid = component.fsm().grid();
@@ -92,7 +92,7 @@ std::unique_ptr<TaskUpdate> first_bundle(const ComponentBase& component, Mode mo
 std::unique_ptr<TaskUpdate> make_update(const PreparedMember& member) {
   auto next = std::make_unique<TaskUpdate>();
   next->bundle = member.next;
-  next->prefetch = std::make_shared<const PrefetchSet>(*member.next);
+  next->prefetch_set = std::make_shared<const PrefetchSet>(*member.next);
   next->mode = member.mode;
   next->mode_only = member.next == member.base && member.part != Part::joins;
   next->restart = member.restart;

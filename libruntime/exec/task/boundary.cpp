@@ -48,7 +48,7 @@ bool Boundary::serve() {
     if (next->decision->state() == Decision::State::aborted) {
       give_back(*next);
     } else if (is_early(*next) && task_.mailbox.claim(*next)) {
-      fetch(*next);
+      touch(*next);
       if (!take_early(*next, task_.meter.now())) return false;
     }
   }
@@ -116,7 +116,7 @@ void Boundary::drop_missed(Instant now) {
 /// The coordinator wrote the data that take() touches, often on another CPU, from where each cache
 /// line takes 100 ns, or the data was not used since the last job. This function brings it here
 /// while the old bundle is still in force.
-void Boundary::fetch(const TaskUpdate& next) const {
+void Boundary::touch(const TaskUpdate& next) const {
   if (next.barrier != TaskUpdate::Barrier::none) return;
   rt::touch(&next, sizeof next);
   rt::touch(next.answer.get(), sizeof *next.answer);
@@ -124,13 +124,13 @@ void Boundary::fetch(const TaskUpdate& next) const {
   rt::touch(next.bundle->measured.get(), sizeof *next.bundle->measured);
   rt::touch(next.state_map.data(), next.state_map.size() * sizeof next.state_map[0]);
   const TaskUpdate& current = *task_.current;
-  if (current.bundle->core.get() != task_.lost) next.hand_over.fetch();
+  if (current.bundle->core.get() != task_.lost) next.hand_over.touch();
   for (const auto& [into, from] : next.observables) rt::touch(into, sizeof *into);
   rt::touch(next.bundle->shell.get(), sizeof *next.bundle->shell);
   rt::touch(&current, sizeof current);
   rt::touch(current.bundle.get(), sizeof *current.bundle);
   rt::touch(this, sizeof *this);
-  task_.fetch();
+  task_.touch();
   rt::touch_swap_code();
 }
 
@@ -245,7 +245,7 @@ void Boundary::keep_bundle(TaskUpdate& next) const {
   const TaskUpdate& current = *task_.current;
   if (next.bundle == current.bundle) return;
   next.bundle = current.bundle;  // two counts each; the last one to go is never here
-  next.prefetch = current.prefetch;
+  next.prefetch_set = current.prefetch_set;
   next.grid = current.grid;
   next.shortest_wait = current.shortest_wait;
   next.bound = current.bound;

@@ -48,7 +48,7 @@ class Boundary {
   [[nodiscard]] bool take(TaskUpdate& next, Instant begin);
   [[nodiscard]] bool take_early(TaskUpdate& next, Instant begin);
   void record_applied(const TaskUpdate& next, Instant time);
-  void fetch(const TaskUpdate& next) const;
+  void touch(const TaskUpdate& next) const;
   [[nodiscard]] bool take_state(TaskUpdate& next);
   void take_rest(TaskUpdate& next);
   void wait_or_go_on(TaskUpdate& step);

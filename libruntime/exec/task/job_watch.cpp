@@ -51,6 +51,6 @@ MAUVE_RUNS_AT_A_SWAP void JobWatch::set(Duration bound, bool has_safe_values) {
   has_safe_values_.store(has_safe_values, std::memory_order_relaxed);
 }
 
-void JobWatch::fetch() const { rt::touch(&bound_, sizeof bound_); }
+void JobWatch::touch() const { rt::touch(&bound_, sizeof bound_); }
 
 }  // namespace mauve::exec

@@ -51,8 +51,8 @@ class JobWatch {
   }
   /// On the thread that replaces an abandoned one.
   void go_on() { watched_.busy_since.store(0); }
-  /// Asks for the cache lines that a swap writes.
-  void fetch() const;
+  /// Touches the cache lines that a swap writes.
+  void touch() const;
 
  private:
   rt::Watched watched_;

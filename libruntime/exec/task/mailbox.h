@@ -67,8 +67,8 @@ class Mailbox {
   void retire(TaskUpdate& unused);
   /// The coordinator sees the new number and frees the updates that were withdrawn before it.
   void count_look() { quiescent_count_.store(quiescent_count_ + 1, std::memory_order_release); }
-  /// Asks for the cache lines that a swap writes.
-  void fetch() const { rt::ask_for(&back_, sizeof back_ + sizeof standby_); }
+  /// Requests the cache lines that a swap writes; does not wait.
+  void prefetch() const { rt::prefetch(&back_, sizeof back_ + sizeof standby_); }
 
  private:
   static bool empty(std::atomic<TaskUpdate*>& slot, TaskUpdate& content) {

@@ -74,7 +74,8 @@ bool Task::serve() {
 }
 
 bool Task::release() {
-  if (context_.current->prefetch != nullptr) context_.current->prefetch->ask();
+  const auto& prefetch_set = context_.current->prefetch_set;
+  if (prefetch_set != nullptr) prefetch_set->prefetch();
   const Instant now = context_.clock.now();
   boundary_.drop_missed(now);
   if (!boundary_.meet(now)) return false;

@@ -46,10 +46,10 @@ MAUVE_RUNS_AT_A_SWAP void TaskContext::miss(std::uint64_t releases, Instant time
                 counters.missed.load(std::memory_order_relaxed), planned ? 1 : 0);
 }
 
-void TaskContext::fetch() const {
-  mailbox.fetch();
-  report.trace().ring.fetch();
-  watch.fetch();
+void TaskContext::touch() const {
+  mailbox.prefetch();
+  report.trace().ring.touch();
+  watch.touch();
   rt::touch(&report.counters(), sizeof report.counters());
   if (state != nullptr) rt::touch(state, sizeof *state);
   const auto* const own = reinterpret_cast<const std::byte*>(&failed);

@@ -67,8 +67,8 @@ struct TaskContext {
   void park(ComponentState as);
   /// Releases without a job. `planned`: a change lets them pass, no thread was late.
   void miss(std::uint64_t releases, Instant time, bool planned = false);
-  /// Asks for the cache lines that a swap writes here.
-  void fetch() const;
+  /// Touches the cache lines that a swap writes here; those of the mailbox it only requests.
+  void touch() const;
 };
 
 }  // namespace exec

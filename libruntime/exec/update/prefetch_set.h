@@ -19,8 +19,8 @@ class PrefetchSet {
  public:
   explicit PrefetchSet(const Bundle& bundle);
 
-  /// Waits for nothing. [rt]
-  void ask() const {
+  /// Requests the lines; does not wait. [rt]
+  void prefetch() const {
     for (const std::uintptr_t line : lines_) {
       __builtin_prefetch(reinterpret_cast<const void*>(line));  // NOLINT: an address
     }

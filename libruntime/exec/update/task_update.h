@@ -53,7 +53,7 @@ struct TaskUpdate {
   Duration grid{0};
   Duration shortest_wait{0};
   Duration bound{0};  ///< a longer job is interrupted, or its thread abandoned; zero: no bound
-  std::shared_ptr<const PrefetchSet> prefetch;  ///< of the bundle; null: not known
+  std::shared_ptr<const PrefetchSet> prefetch_set;  ///< of the bundle; null: not known
   /// By index of the state of the old machine: the state of the new one; null: begin anew.
   std::vector<FsmState*> state_map;
   HandOver hand_over;

@@ -97,7 +97,7 @@ void HandOver::run_converter(void* self) {
   plan.into->convert(*plan.from, *plan.convert);
 }
 
-void HandOver::fetch() const {
+void HandOver::touch() const {
   if (from == nullptr) return;
   rt::touch(from, sizeof *from);
   rt::touch(into, sizeof *into);

@@ -36,8 +36,8 @@ struct HandOver {
   /// fault of that is returned, and `into` may be half written then. `watched`: see
   /// rt::run_guarded().
   [[nodiscard]] rt::Fault run(const rt::Watched& watched = rt::kUnwatched) const;
-  /// Prefetches the memory that run() will touch. [rt]
-  void fetch() const;
+  /// Touches the memory that run() will use, see rt::touch(). [rt]
+  void touch() const;
 
  private:
   static void run_converter(void* self);

@@ -8,13 +8,13 @@ namespace mauve::rt {
 
 inline constexpr std::size_t kCacheLine = 64;
 
-/// Asks for the cache lines of an object, ready to be written, and waits for nothing. Others may
-/// write it meanwhile. [rt]
-inline void ask_for([[maybe_unused]] const void* object, [[maybe_unused]] std::size_t size) {
+/// Requests the cache lines of an object, ready to be written, and does not wait. Others may write
+/// it meanwhile. [rt]
+inline void prefetch([[maybe_unused]] const void* object, [[maybe_unused]] std::size_t size) {
 #if defined(__x86_64__)
   if (size == 0) return;
   const auto* bytes = static_cast<const volatile std::byte*>(object);
-  // The builtin would ask for a shared line unless the compiler knows the CPU.
+  // The builtin would request a shared line unless the compiler knows the CPU.
   for (std::size_t i = 0; i < size; i += kCacheLine) {
     asm volatile("prefetchw %0" : : "m"(bytes[i]));
   }
@@ -22,11 +22,11 @@ inline void ask_for([[maybe_unused]] const void* object, [[maybe_unused]] std::s
 #endif
 }
 
-/// Returns when the cache lines of an object are in the cache of this CPU, ready to be written.
-/// [rt]
+/// Requests the cache lines of an object, ready to be written, and reads each of them. When
+/// touch_swap_code() returns, they are in the cache of this CPU. [rt]
 inline void touch(const void* object, std::size_t size) {
   if (size == 0) return;
-  ask_for(object, size);
+  prefetch(object, size);
   const auto* bytes = static_cast<const volatile std::byte*>(object);
   for (std::size_t i = 0; i < size; i += kCacheLine) static_cast<void>(bytes[i]);
   static_cast<void>(bytes[size - 1]);

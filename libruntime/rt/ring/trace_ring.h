@@ -64,9 +64,9 @@ class TraceRing {
     head_.store(head + 1, std::memory_order_release);
   }
 
-  /// [rt] Brings the slot of the next push into the cache.
-  void fetch() const {
-    touch(&slots_[head_.load(std::memory_order_relaxed) % kCapacity], sizeof(Slot));
+  /// [rt] Touches the cache lines of the slot of the next push.
+  void touch() const {
+    rt::touch(&slots_[head_.load(std::memory_order_relaxed) % kCapacity], sizeof(Slot));
   }
 
   /// [reader] Visits the new records in order; `visit(lost)` first when records were overwritten.
