@@ -35,8 +35,8 @@ Instant next_on_grid(Instant base, Duration step, Instant instant) {
 
 }  // namespace
 
-/// Decided, and no job lies between its instant and the armed release? A task whose release is due
-/// meets the change at its own boundary.
+/// May the task take the update ahead of its armed release? The update must be committed, and the
+/// release at or after its instant. A task whose release is due takes the update in meet().
 bool Boundary::is_early(const TaskUpdate& next) const {
   const Decision& decision = *next.decision;
   if (decision.state() != Decision::State::committed || !decision.has_instant()) return false;

@@ -24,9 +24,10 @@ class Boundary {
  public:
   Boundary(TaskContext& task, FaultReaction& faults) : task_(task), faults_(faults) {}
 
-  /// Takes an update that need not wait for a boundary. It gives an aborted one back, and applies a
-  /// decided one now when no job lies between its instant and the armed release. False: as of
-  /// meet().
+  /// Between jobs, ahead of the armed release: gives an aborted update back. Takes a committed
+  /// update or rollback if the release is at or after its instant and not due, or if the task
+  /// does not run. Obeys a direct stop. Parks the task if its core failed and nothing can recover
+  /// it. False: see meet().
   [[nodiscard]] bool serve();
   /// The boundary before the job that is due. False: this thread was abandoned meanwhile, and has
   /// no part in the task any more.
@@ -44,7 +45,7 @@ class Boundary {
  private:
   [[nodiscard]] bool is_early(const TaskUpdate& next) const;
   [[nodiscard]] TaskUpdate* takes_over();
-  /// `begin`: when the job that the change delays would have begun. False: as of meet().
+  /// `begin`: when the job that the change delays would have begun. False: see meet().
   [[nodiscard]] bool take(TaskUpdate& next, Instant begin);
   [[nodiscard]] bool take_early(TaskUpdate& next, Instant begin);
   void record_applied(const TaskUpdate& next, Instant time);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Counters of a component.
+/// Counters of a component, and the operations with which their writer changes them.
 #pragma once
 
 #include <atomic>
@@ -9,27 +9,28 @@
 
 namespace mauve::exec {
 
-/// Counters, written by the thread of the task, read by any thread.
+/// Any thread reads them. The owner of the task writes them: its thread, or [guard] once that is
+/// abandoned. [control] writes them before the first release. Times are in nanoseconds.
 struct Counters {
   std::atomic<std::uint64_t> releases{0};
   std::atomic<std::uint64_t> missed{0};
   std::atomic<std::uint64_t> overruns{0};
   std::atomic<std::uint64_t> over_budget{0};
   std::atomic<std::uint64_t> faults{0};
-  std::atomic<std::uint64_t> restored{0};  ///< its scheduling; written by the guard
+  std::atomic<std::uint64_t> restored{0};  ///< how often [guard] restored its scheduling
   std::atomic<std::int64_t> lateness_last{0};
   std::atomic<std::int64_t> lateness_max{0};
   std::atomic<std::int64_t> execution_last{0};
   std::atomic<std::int64_t> execution_max{0};  ///< preemption by others included
   std::atomic<std::int64_t> used_max{0};       ///< processor time of a job; 0: none was measured
-  std::atomic<std::int64_t> next_release{0};
+  std::atomic<std::int64_t> next_release{0};   ///< since T0
   std::atomic<std::uint32_t> fsm_state{0};
   std::atomic<ComponentState> state{ComponentState::stopped};
-  std::atomic<bool> without_thread{false};  ///< [control] is to write its safe values
+  std::atomic<bool> without_thread{false};  ///< [control] writes its safe values, and clears this
   std::atomic<bool> suspected{false};  ///< its last jobs exceeded their budget, without a verdict
 };
 
-/// Counters have one writer: a load and a store are enough.
+/// A counter has one writer at a time: a load and a store are enough.
 template <typename T>
 void add(std::atomic<T>& counter, T amount) {
   counter.store(counter.load(std::memory_order_relaxed) + amount, std::memory_order_relaxed);

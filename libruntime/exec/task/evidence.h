@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Evidence: does a core on probation take longer than it may? A machine that stands still makes
-/// any job long or late, and a host charges part of the time that it takes to the thread that
-/// happened to run. So a single job proves nothing. Neither does a job whose excess a probe
-/// explains, because the machine was held up for as long meanwhile.
+/// Evidence: does a core on probation take longer than it may? A single job proves nothing: a
+/// machine that stands still makes any job long or late, and its host charges part of the stolen
+/// time to the thread that ran. A job also proves nothing when a probe shows that the machine was
+/// held up for as long as the job exceeds its limit.
 #pragma once
 
 #include <bit>
@@ -36,15 +36,16 @@ class Evidence {
   static constexpr int kJobs = 16;
   /// A job over the budget weighs as much as so many jobs within the budget.
   static constexpr int kWeight = 2;
-  /// Of 64 jobs, 8 late ones are excused when others kept them from the processor. More than that,
-  /// and the change starves the core.
+  /// Of 64 jobs, 8 late ones are excused, since others may have kept them from the processor. These
+  /// add to the tolerated ones and to those of kMostAsBefore; with more, the change starves the
+  /// core.
   static constexpr unsigned kExcusedOf64 = 8;
-  /// As many late jobs are excused as the core had before the change, twice, up to this number.
+  /// Also excused: twice the late jobs before the change, at most so many.
   static constexpr unsigned kMostAsBefore = 24;
 
   enum class Verdict : std::uint8_t { none, over_budget, overruns };
   struct Rules {
-    unsigned tolerated = 2;        ///< late jobs by the core's own doing, at least 1
+    unsigned tolerated = 2;        ///< late jobs by the core's own doing; 0 counts as 1
     std::uint64_t window = ~0ULL;  ///< among the last jobs: a bit for each
   };
 
@@ -77,10 +78,11 @@ class Evidence {
 
  private:
   int sum_ = 0;
-  std::uint64_t too_long_ = 0;     // a bit for each of the last jobs
-  std::uint64_t overruns_ = 0;     // the same
-  std::uint64_t late_ = 0;         // the same
-  std::uint64_t late_before_ = 0;  // the same, of the jobs before the change
+  // A bit for each of the last 64 jobs, the newest lowest:
+  std::uint64_t too_long_ = 0;     // too long, on probation
+  std::uint64_t overruns_ = 0;     // late, since the count of overran() began
+  std::uint64_t late_ = 0;         // late, since the change
+  std::uint64_t late_before_ = 0;  // late, before the change
 };
 
 }  // namespace mauve::exec

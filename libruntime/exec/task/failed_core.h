@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// FailedCore: the failure of a component's core, until another core takes over.
+/// FailedCore: the failure of a component's core, while no job runs because of it. The failure is
+/// forgotten when another core takes over, when a change goes on probation or is rolled back, and
+/// when the component starts or parks.
 #pragma once
 
 #include <atomic>
@@ -13,7 +15,7 @@ namespace mauve::exec {
 
 class FailedCore {
  public:
-  // --- [rt] the thread of the task --------------------------------------------------------------
+  // --- [rt] the thread of the task, or [guard] once that is abandoned ---------------------------
   /// The core has failed; no job runs meanwhile.
   [[nodiscard]] explicit operator bool() const { return cause_.has_value(); }
   [[nodiscard]] Cause cause() const { return *cause_; }
@@ -28,11 +30,13 @@ class FailedCore {
   }
 
   // --- [control] --------------------------------------------------------------------------------
-  /// When it failed; 0: it has not, or another core took over. [any]
-  [[nodiscard]] Instant at() const { return at_.load(std::memory_order_acquire); }
   /// No core will take over from the one that failed at this instant. The instant names the
   /// failure: a later one is not concerned.
   void declare_hopeless(Instant at) { hopeless_.store(at, std::memory_order_release); }
+
+  // --- [any] ------------------------------------------------------------------------------------
+  /// When the core failed; 0: there is no failure.
+  [[nodiscard]] Instant at() const { return at_.load(std::memory_order_acquire); }
   [[nodiscard]] bool is_hopeless() const {
     const Instant failed_at = at();
     return failed_at != 0 && hopeless_.load(std::memory_order_acquire) == failed_at;

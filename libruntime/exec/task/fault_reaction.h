@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// FaultReaction: the reaction of a task to a core that fails, or that does not prove itself on
-/// probation. Safe values are written before the fault is recorded. [rt]
+/// probation. When a core throws, crashes or hangs, its safe values are written before the fault is
+/// recorded, except in park_for_good(). [rt], and park_for_good() is [guard].
 #pragma once
 
 #include <cstdint>
@@ -21,24 +22,29 @@ class FaultReaction {
  public:
   explicit FaultReaction(TaskContext& task) : task_(task) {}
 
-  /// The core has failed; the text of the record holds the details, and the safe values are
-  /// written. The task waits for another core, or parks.
+  /// Records that the core has failed. The task waits for its rollback or another core, or parks.
+  /// The caller has written the safe values, and the details into the text of the record.
   void fail(Cause cause);
-  /// The job ran into its bound.
+  /// fail() for a job that ran longer than its bound; it writes the details itself.
   void hang();
-  /// The new core is in place, with a state that may be half written.
+  /// fail() for a converter that did not end in order; it writes the safe values and the details
+  /// itself. The new core is in force, with a state that may be half written.
   void fail_in_hand_over(const rt::Fault& fault);
-  /// A failed core runs no more; this release passes, until another core takes over.
+  /// Counts the release of a failed core as missed, or parks the task if nothing can recover it.
   void pass_release();
-  /// A job on probation is judged also where it does not fail.
+  /// Judges a job on probation that did not fail. Implausible values, or enough evidence that the
+  /// core takes too long, trigger the rollback.
   void judge(const JobUse& job);
-  /// On probation: triggers the rollback of the change. The core goes on until its next release.
+  /// Triggers the rollback of the change, if the task is on probation.
   void trigger_rollback();
+  /// After too many late jobs: `on_overrun` stop parks the task with its safe values written, and
+  /// fallback lets the standby core take over at the next release.
   void overran_too_often();
-  /// No thread is left for the task. The guard calls it, which must not run code of a plugin, so
-  /// [control] writes the safe values.
+  /// Records that no thread is left for the task, and parks it as faulted. [guard] must not run
+  /// code of a plugin, so [control] writes the safe values.
   void park_for_good(const char* why);
-  /// A service that does not return is ended as a job is.
+  /// Writes the safe values of the connected ports. [guard] interrupts a service that does not
+  /// return, as it interrupts a job, but never abandons the thread for it.
   void write_safe_values();
 
   /// Is the task on probation, with a rollback that is triggered or still can be?

@@ -35,7 +35,7 @@ class JobMeter {
   /// preempted, and its processor time was not read.
   [[nodiscard]] std::optional<Duration> end(const JobUse& job, bool preempted, bool judged,
                                             Counters& counters);
-  /// How the job ended that the core is judged by. `wait`: until its next release.
+  /// The timing that the core is judged by. `wait`: from its release to the next one.
   [[nodiscard]] JobTiming judge(const JobUse& job, const TaskAttributes& task, Duration wait);
 
   /// The time at which a state ends, read once for each of them.

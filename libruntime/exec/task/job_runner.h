@@ -25,7 +25,8 @@ class JobRunner {
   /// Runs the job that is due. False: this thread was abandoned meanwhile, and has no part in the
   /// task any more.
   [[nodiscard]] bool run(Instant now);
-  /// The first call on a thread that replaces an abandoned one: the fault of that one.
+  /// The first call on a thread that replaces an abandoned one: writes the safe values and records
+  /// the fault of the abandoned job.
   void go_on();
 
  private:

@@ -33,14 +33,14 @@ class JobWatch {
   [[nodiscard]] const ResourceLock* cut_off_thread();
 
   // --- [any] ------------------------------------------------------------------------------------
-  /// All that the thread still tries to write or read is dropped from now on, also on each thread
-  /// that it gets later.
+  /// All that the thread of the task still tries to write or read is dropped from now on, also on
+  /// each thread that the task gets later.
   void fence();
   /// The task has safe values to write when it parks.
   [[nodiscard]] bool has_safe_values() const { return has_safe_values_.load(); }
 
   // --- [rt] the thread of the task --------------------------------------------------------------
-  /// First and last thing on its thread: its job, or null.
+  /// The thread calls it first with its Job, and last with null.
   void runs_on(Job* job);
   void set(Duration bound, bool has_safe_values);
   [[nodiscard]] rt::Watched& watched() { return watched_; }
@@ -49,14 +49,14 @@ class JobWatch {
   [[nodiscard]] bool end(Instant begun) {
     return watched_.busy_since.compare_exchange_strong(begun, 0);
   }
-  /// On the thread that replaces an abandoned one.
+  /// The thread that replaces an abandoned one is ready for its first job.
   void go_on() { watched_.busy_since.store(0); }
   /// Touches the cache lines that a swap writes.
   void touch() const;
 
  private:
   rt::Watched watched_;
-  std::atomic<Job*> job_{nullptr};  // of its thread
+  std::atomic<Job*> job_{nullptr};  // of the task's thread
   std::atomic<bool> fenced_{false};
   std::atomic<std::int64_t> bound_{0};
   std::atomic<bool> has_safe_values_{false};

@@ -22,14 +22,16 @@ class Mailbox {
   Mailbox& operator=(const Mailbox&) = delete;
 
   // --- [control] --------------------------------------------------------------------------------
+  /// Hands the task its next update, which it takes at a boundary.
   void publish(TaskUpdate& next) { pending_.store(&next, std::memory_order_release); }
   void publish_rollback(TaskUpdate& back) { back_.store(&back, std::memory_order_release); }
   /// The update takes over by itself when the core fails; the task owns it. False: it has one.
+  /// In that case the caller keeps this one.
   bool stand_by(TaskUpdate& standby);
   /// The updates that the task does not use any more, the newest first.
   [[nodiscard]] std::vector<std::unique_ptr<TaskUpdate>> reclaim();
-  /// How often the task has looked into the mailbox. An update that was withdrawn before the last
-  /// look is not read any more.
+  /// How often the task has passed a quiescent point. Once it passes one, it reads no update that
+  /// was withdrawn before.
   [[nodiscard]] std::uint64_t quiescent_count() const {
     return quiescent_count_.load(std::memory_order_acquire);
   }
@@ -65,7 +67,8 @@ class Mailbox {
   [[nodiscard]] TaskUpdate* exchange_standby(std::unique_ptr<TaskUpdate> standby);
   /// The task does not use it any more; reclaim() returns it. Only the task's thread adds.
   void retire(TaskUpdate& unused);
-  /// The coordinator sees the new number and frees the updates that were withdrawn before it.
+  /// The task passes a quiescent point: it reads no update that was withdrawn before. The
+  /// coordinator sees the new number and frees those updates.
   void count_look() { quiescent_count_.store(quiescent_count_ + 1, std::memory_order_release); }
   /// Requests the cache lines that a swap writes; does not wait.
   void prefetch() const { rt::prefetch(&back_, sizeof back_ + sizeof standby_); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Safe values of a component that cannot write them itself.
+/// The safe values of a component, written for it when it cannot do so itself.
 #pragma once
 
 #include <chrono>
@@ -20,7 +20,7 @@ inline bool has_safe_values(const Bundle& bundle) {
   return false;
 }
 
-/// Writes them to all present connections. `by_owner`: see PortBase::write_safe.
+/// Writes the safe values of the connected ports. `by_owner`: see PortBase::write_safe.
 inline void write_safe_values(const Bundle& bundle, bool by_owner,
                               const rt::Watched& watched = rt::kUnwatched) {
   for (const PortBase* port : bundle.shell->ports()) {

@@ -38,33 +38,36 @@ class Task {
   [[nodiscard]] Mailbox& mailbox() { return context_.mailbox; }
   [[nodiscard]] JobWatch& watch() { return context_.watch; }
   [[nodiscard]] const JobWatch& watch() const { return context_.watch; }
-  /// Waits for its rollback or its standby core. A hopeless one parks as faulted.
+  /// While its core has failed, the task waits for its rollback or its standby core. It parks as
+  /// faulted once nothing can recover it.
   [[nodiscard]] FailedCore& failed_core() { return context_.failed; }
-  /// It runs a core whose last jobs exceeded their budget, without a verdict yet. [any]
+  /// The task runs a core whose last jobs exceeded their budget, without a verdict yet. [any]
   [[nodiscard]] bool suspected() const;
 
   // --- [guard] ----------------------------------------------------------------------------------
-  /// How long its job may run, on a thread of which kind, while nothing or a direct stop waits for
-  /// its end. Zero: without a bound.
+  /// How long its job may run on a real-time or an ordinary thread; at most kHaltedJob during a
+  /// direct stop. Zero: without a bound.
   [[nodiscard]] Duration bound(bool realtime) const;
   /// When its next job is due (monotonic); far away: it does not run.
   [[nodiscard]] Instant known_release() const;
-  /// The job that began then never returns, so its thread has no part in the component any more.
-  /// The resources that the thread holds are poisoned, and the task is the caller's until another
-  /// thread goes on with it. False: the job has ended. The thread must not end meanwhile.
+  /// Abandons the thread of the task, whose job began at `since` and never returns. The resources
+  /// that the thread holds are poisoned, and the caller owns the task until another thread goes on
+  /// with it. False: the job has ended, or the thread must keep the task. The thread must not end
+  /// meanwhile.
   bool lose_thread(Instant since);
   /// The bundles that the abandoned thread still uses.
   [[nodiscard]] std::vector<std::shared_ptr<const Bundle>> bundles() const;
-  /// Its thread had another priority or other CPUs than its component asked for.
+  /// The caller gave the thread back the priority or the CPUs that its component asked for.
   void count_restored() { add<std::uint64_t>(context_.report.counters().restored, 1); }
   void park_for_good(const char* why) { faults_.park_for_good(why); }  ///< no other thread is left
-  /// [control] It was parked for good, and nobody has written its safe values yet: true once.
+  /// [control] Was the task parked for good? True once: the caller writes its safe values.
   bool wants_safe_values() { return context_.report.counters().without_thread.exchange(false); }
-  /// While a direct stop waits for its end, a job may take so long.
+  /// A job may take so long while a direct stop waits for its end.
   static constexpr Duration kHaltedJob = 2s;
 
   // --- [rt] -------------------------------------------------------------------------------------
-  /// Takes a change that need not wait for a boundary. False: as of release().
+  /// What the boundary does ahead of the armed release, see Boundary::serve(). False: see
+  /// release().
   bool serve();
   [[nodiscard]] bool running() const { return context_.running; }
   /// When the next job is due (monotonic); only while running.
@@ -74,7 +77,9 @@ class Task {
   /// The boundary and the job of the armed release. False: this thread was abandoned meanwhile, and
   /// has no part in the task any more.
   bool release();
-  void go_on();  ///< the first call on a thread that replaces an abandoned one: its fault
+  /// The first call on a thread that replaces an abandoned one: writes the safe values and records
+  /// the fault of the abandoned job.
+  void go_on();
 
  private:
   TaskContext context_;

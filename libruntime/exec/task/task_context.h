@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// TaskContext: the state of one task that its boundary, its jobs and its fault policy share.
+/// TaskContext: the state of one task that its boundary, its jobs and its reaction to faults share.
 #pragma once
 
 #include <cstdint>
@@ -38,12 +38,13 @@ struct TaskContext {
   Mailbox mailbox;
   JobWatch watch;
 
-  // From here on the thread of the task owns all of it.
+  // The owner of the task writes the rest: its thread, or [guard] once that is abandoned. Only
+  // `failed` has operations for [control] and for any thread.
   FailedCore failed;
   TaskUpdate* current = nullptr;   ///< the update in force; owned
   const CoreBase* lost = nullptr;  ///< an abandoned thread may still be inside
   const ResourceLock* failed_in =
-      nullptr;                ///< of the resource in whose service its last job failed
+      nullptr;                ///< the lock of the resource in whose service its last job failed
   FsmState* state = nullptr;  ///< the wait the task is in; null: before the initial state
   Instant t0 = 0;
   Instant release = 0;  ///< of the next job: t0 + offset + clock of the component

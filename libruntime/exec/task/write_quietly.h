@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The write of a safe value, without any other effect of the code that takes it.
+/// The write of a safe value to a resource whose code may throw or crash.
 #pragma once
 
 #include "rt/thread/run_guarded.h"
@@ -9,8 +9,9 @@
 
 namespace mauve::exec {
 
-/// A resource that throws or crashes when it is given a safe value cannot take the machine down
-/// with it; one that crashes is poisoned. `watched`: see rt::run_guarded(). [any]
+/// Writes the safe value of the port, if any. A resource that throws or crashes while it takes the
+/// value does not end the process; one that crashes is poisoned. `watched`: see rt::run_guarded().
+/// [any]
 inline void write_quietly(const PortBase& port, const Binding& connection, bool by_owner,
                           const rt::Watched& watched = rt::kUnwatched) {
   struct Write {
