@@ -17,7 +17,7 @@ namespace {
 /// For a task whose thread was abandoned and could not be replaced.
 void write_for_tasks_without_thread(System& system) {
   for (Deployed& deployed : system.deployed) {
-    if (!deployed.task->wants_safe_values() || deployed.component == nullptr) continue;
+    if (!deployed.task->take_safe_values_request() || deployed.component == nullptr) continue;
     write_safe_values_on_behalf(*deployed.component->bundle());
   }
 }

@@ -61,7 +61,9 @@ class Task {
   void count_restored() { add<std::uint64_t>(context_.report.counters().restored, 1); }
   void park_for_good(const char* why) { faults_.park_for_good(why); }  ///< no other thread is left
   /// [control] Was the task parked for good? True once: the caller writes its safe values.
-  bool wants_safe_values() { return context_.report.counters().without_thread.exchange(false); }
+  bool take_safe_values_request() {
+    return context_.report.counters().without_thread.exchange(false);
+  }
   /// A job may take so long while a direct stop waits for its end.
   static constexpr Duration kHaltedJob = 2s;
 
