@@ -57,9 +57,9 @@ class Evidence {
     too_long_ = late_ = 0;
     forget_overruns();
   }
-  /// To be called for each job, on probation or not. Did `limit` of the last 64 jobs end too late,
-  /// for any cause? Then the count begins anew.
-  [[nodiscard]] bool overran(bool late, unsigned limit) {
+  /// Counts each job, on probation or not. True when the job is late and at least `limit` of the
+  /// last 64 jobs were, for any cause; then it counts anew.
+  [[nodiscard]] bool count_late(bool late, unsigned limit) {
     overruns_ = overruns_ << 1U | (late ? 1U : 0U);
     const bool too_often = late && std::popcount(overruns_) >= static_cast<int>(limit);
     if (too_often) forget_overruns();
@@ -80,7 +80,7 @@ class Evidence {
   int sum_ = 0;
   // A bit for each of the last 64 jobs, the newest lowest:
   std::uint64_t too_long_ = 0;     // too long, on probation
-  std::uint64_t overruns_ = 0;     // late, since the count of overran() began
+  std::uint64_t overruns_ = 0;     // late, since count_late() counts anew
   std::uint64_t late_ = 0;         // late, since the change
   std::uint64_t late_before_ = 0;  // late, before the change
 };
