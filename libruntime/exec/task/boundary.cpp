@@ -81,12 +81,13 @@ bool Boundary::meet(Instant now) {
     if (takes && !take(*next, now)) return false;
   }
   if (task_.waiting) return true;  // a standby core waits as well
-  TaskUpdate* const other = takes_over();
+  TaskUpdate* const other = claim_takeover();
   return other == nullptr || take(*other, now);
 }
 
-/// The rollback once it was triggered, or the standby core of a core that failed; null: neither.
-TaskUpdate* Boundary::takes_over() {
+/// Claims the rollback once it was triggered, or the standby core of a core that failed. Null:
+/// neither.
+TaskUpdate* Boundary::claim_takeover() {
   TaskUpdate* const back = task_.mailbox.back();
   const bool goes_back =
       back != nullptr && back->decision->meet(task_.release) == Decision::Verdict::take;

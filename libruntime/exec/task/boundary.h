@@ -44,7 +44,7 @@ class Boundary {
 
  private:
   [[nodiscard]] bool is_early(const TaskUpdate& next) const;
-  [[nodiscard]] TaskUpdate* takes_over();
+  [[nodiscard]] TaskUpdate* claim_takeover();
   /// `begin`: when the job that the change delays would have begun. False: see meet().
   [[nodiscard]] bool take(TaskUpdate& next, Instant begin);
   [[nodiscard]] bool take_early(TaskUpdate& next, Instant begin);
