@@ -155,7 +155,7 @@ void FaultReaction::fail_in_hand_over(const rt::Fault& fault) {
   fail(fault.interrupted ? Cause::hung : Cause::crashed);
 }
 
-void FaultReaction::overran_too_often() {
+void FaultReaction::react_to_overruns() {
   const TaskAttributes& attributes = task_.current->bundle->task;
   if (attributes.on_overrun == OnOverrun::stop) {
     write_safe_values();

@@ -39,7 +39,7 @@ class FaultReaction {
   void trigger_rollback();
   /// After too many late jobs: `on_overrun` stop parks the task with its safe values written, and
   /// fallback lets the standby core take over at the next release.
-  void overran_too_often();
+  void react_to_overruns();
   /// Records that no thread is left for the task, and parks it as faulted. [guard] must not run
   /// code of a plugin, so [control] writes the safe values.
   void park_for_good(const char* why);

@@ -190,7 +190,7 @@ void JobRunner::account(Instant start, const JobEnd& job) {
   const bool late = use.end > deadline;
   if (late) use.late = Duration{use.end - deadline};
   if (late) count_overrun(use.late);
-  if (task_.evidence.count_late(late, attributes.overrun_limit)) faults_.overran_too_often();
+  if (task_.evidence.count_late(late, attributes.overrun_limit)) faults_.react_to_overruns();
   if (task_.mailbox.on_probation()) {
     faults_.judge(use);
   } else {
