@@ -134,7 +134,7 @@ void FaultReaction::write_safe_values() {
   }
 }
 
-void FaultReaction::hang() {
+void FaultReaction::fail_as_hung() {
   FaultRecord& fault = task_.report.fault();
   std::snprintf(fault.text.data(), fault.text.size(), "its job ran longer than %lld ms",
                 static_cast<long long>(task_.current->bound / 1ms));

@@ -26,7 +26,7 @@ class FaultReaction {
   /// The caller has written the safe values, and the details into the text of the record.
   void fail(Cause cause);
   /// fail() for a job that ran longer than its bound; it writes the details itself.
-  void hang();
+  void fail_as_hung();
   /// fail() for a converter that did not end in order; it writes the safe values and the details
   /// itself. The new core is in force, with a state that may be half written.
   void fail_in_hand_over(const rt::Fault& fault);

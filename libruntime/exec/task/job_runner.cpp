@@ -111,7 +111,7 @@ void JobRunner::begin(Instant now) {
 void JobRunner::conclude(Instant start, const JobEnd& end, const rt::Fault& fault) {
   if (fault.happened() || end.threw) faults_.write_safe_values();  // before anything is recorded
   if (fault.interrupted) {
-    faults_.hang();
+    faults_.fail_as_hung();
   } else if (fault.happened()) {
     auto& text = task_.report.fault().text;
     rt::describe(fault, text.data(), text.size());
@@ -132,7 +132,7 @@ void JobRunner::go_on() {
   this_report() = &task_.report;
   task_.lost = task_.current->bundle->core.get();
   faults_.write_safe_values();
-  faults_.hang();
+  faults_.fail_as_hung();
   this_report() = nullptr;
   task_.watch.go_on();
 }
