@@ -43,7 +43,7 @@ class Threads final : public Runner {
     guard_.join();
     for (auto& [task, worker] : workers_) {
       worker->quit.store(true);
-      rt::futex_bump(worker->task.mailbox().command());
+      rt::futex_bump(worker->task.mailbox().wake_word());
     }
   }
 
@@ -78,7 +78,7 @@ class Threads final : public Runner {
     rt::futex_bump(start_);
   }
 
-  void wake(Task& task) override { rt::futex_bump(task.mailbox().command()); }
+  void wake(Task& task) override { rt::futex_bump(task.mailbox().wake_word()); }
 
   bool await(const std::function<bool()>& condition, Instant deadline) override {
     // Polled: a real-time thread then needs no system call to answer.
@@ -158,7 +158,7 @@ class Threads final : public Runner {
     const auto found = workers_.find(&task);
     if (found == workers_.end()) return nullptr;
     found->second->quit.store(true);
-    rt::futex_bump(task.mailbox().command());
+    rt::futex_bump(task.mailbox().wake_word());
     return found->second.get();
   }
 
@@ -185,10 +185,10 @@ class Threads final : public Runner {
 
   /// One look at the mailbox and at the clock; sleeps until there is something to do.
   static bool step(Task& task) {
-    const std::uint32_t seen = task.mailbox().command().load(std::memory_order_acquire);
+    const std::uint32_t seen = task.mailbox().wake_word().load(std::memory_order_acquire);
     if (!task.serve()) return false;
     if (task.due()) return task.release();  // a wait for the past would cost 15 us
-    rt::futex_wait_until(task.mailbox().command(), seen,
+    rt::futex_wait_until(task.mailbox().wake_word(), seen,
                          task.running() ? task.next_release() : rt::kForever);
     return true;
   }

@@ -47,7 +47,7 @@ class Mailbox {
 
   // --- [any] ------------------------------------------------------------------------------------
   /// A thread that sleeps on this word looks into the mailbox when it changes.
-  [[nodiscard]] std::atomic<std::uint32_t>& command() { return command_; }
+  [[nodiscard]] std::atomic<std::uint32_t>& wake_word() { return wake_word_; }
   /// A stop that does without the coordinator (exec/deploy/direct_stop.h): the task parks at its
   /// next boundary with its safe values written, and stays parked when it applies updates.
   void halt() { halted_.store(true, std::memory_order_release); }
@@ -82,7 +82,7 @@ class Mailbox {
   alignas(rt::kCacheLine) std::atomic<TaskUpdate*> pending_{nullptr};
   std::atomic<bool> halted_{false};  // beside the slot that the thread reads in each boundary
   alignas(rt::kCacheLine) std::atomic<TaskUpdate*> unused_{nullptr};
-  alignas(rt::kCacheLine) std::atomic<std::uint32_t> command_{0};
+  alignas(rt::kCacheLine) std::atomic<std::uint32_t> wake_word_{0};
   alignas(rt::kCacheLine) std::atomic<TaskUpdate*> back_{nullptr};  // while on probation
   std::atomic<TaskUpdate*> standby_{nullptr};  // the fallback core, or a fresh one
   std::atomic<std::uint64_t> quiescent_count_{0};
