@@ -69,7 +69,9 @@ class Mailbox {
   void retire(TaskUpdate& unused);
   /// The task passes a quiescent point: it reads no update that was withdrawn before. The
   /// coordinator sees the new number and frees those updates.
-  void count_look() { quiescent_count_.store(quiescent_count_ + 1, std::memory_order_release); }
+  void count_quiescent() {
+    quiescent_count_.store(quiescent_count_ + 1, std::memory_order_release);
+  }
   /// Requests the cache lines that a swap writes; does not wait.
   void prefetch() const { rt::prefetch(&back_, sizeof back_ + sizeof standby_); }
 

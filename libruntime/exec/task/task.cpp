@@ -69,7 +69,7 @@ std::vector<std::shared_ptr<const Bundle>> Task::bundles() const { return bounda
 
 bool Task::serve() {
   if (!boundary_.serve()) return false;
-  context_.mailbox.count_look();
+  context_.mailbox.count_quiescent();
   return true;
 }
 
@@ -87,7 +87,7 @@ bool Task::release() {
     }
   }
   boundary_.acknowledge();
-  context_.mailbox.count_look();
+  context_.mailbox.count_quiescent();
   return true;
 }
 
@@ -95,7 +95,7 @@ void Task::go_on() {
   boundary_.finish_taking();
   jobs_.go_on();
   boundary_.acknowledge();
-  context_.mailbox.count_look();
+  context_.mailbox.count_quiescent();
 }
 
 }  // namespace mauve::exec
