@@ -165,7 +165,7 @@ class Threads final : public Runner {
   void run(Worker& worker) {
     take_thread_role(ThreadRole::realtime);
     const rt::FaultStack stack;
-    worker.task.watch().runs_on(&this_job());
+    worker.task.watch().set_thread_job(&this_job());
     parked_.fetch_add(1);
     while (start_.load(std::memory_order_acquire) == 0) {
       rt::futex_wait_until(start_, 0, rt::kForever);
@@ -178,7 +178,7 @@ class Threads final : public Runner {
     bool ours = true;
     while (ours && !worker.quit.load(std::memory_order_relaxed)) ours = step(worker.task);
     const rt::PiMutexLock lock(mutex_);  // the guard is not looking at this thread's job
-    if (worker.inside.empty()) worker.task.watch().runs_on(nullptr);
+    if (worker.inside.empty()) worker.task.watch().set_thread_job(nullptr);
     worker.ending = true;
     look_again();
   }
@@ -311,7 +311,7 @@ class Threads final : public Runner {
     lost_.push_back(std::exchange(worker, std::move(next)));
     const Status started = self.thread.start(self.attributes, [this, &self] {
       const rt::FaultStack stack;
-      self.task.watch().runs_on(&this_job());
+      self.task.watch().set_thread_job(&this_job());
       self.task.go_on();
       run_until_quit(self);
     });

@@ -41,7 +41,7 @@ void JobWatch::fence() {
   if (Job* job = job_.load()) job->no_ports.store(true);
 }
 
-void JobWatch::runs_on(Job* job) {
+void JobWatch::set_thread_job(Job* job) {
   job_.store(job);
   if (job != nullptr && fenced_.load()) job->no_ports.store(true);
 }

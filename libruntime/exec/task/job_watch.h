@@ -41,7 +41,7 @@ class JobWatch {
 
   // --- [rt] the thread of the task --------------------------------------------------------------
   /// The thread calls it first with its Job, and last with null.
-  void runs_on(Job* job);
+  void set_thread_job(Job* job);
   void set(Duration bound, bool has_safe_values);
   [[nodiscard]] rt::Watched& watched() { return watched_; }
   void begin(Instant now) { watched_.busy_since.store(now, std::memory_order_release); }
