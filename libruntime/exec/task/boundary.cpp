@@ -125,7 +125,7 @@ void Boundary::touch(const TaskUpdate& next) const {
   rt::touch(next.bundle->measured.get(), sizeof *next.bundle->measured);
   rt::touch(next.state_map.data(), next.state_map.size() * sizeof next.state_map[0]);
   const TaskUpdate& current = *task_.current;
-  if (current.bundle->core.get() != task_.lost) next.hand_over.touch();
+  if (current.bundle->core.get() != task_.abandoned_core) next.hand_over.touch();
   for (const auto& [into, from] : next.observables) rt::touch(into, sizeof *into);
   rt::touch(next.bundle->shell.get(), sizeof *next.bundle->shell);
   rt::touch(&current, sizeof current);
@@ -145,7 +145,7 @@ MAUVE_RUNS_AT_A_SWAP bool Boundary::take(TaskUpdate& next, Instant begin) {
   for (const auto& [port, before] : next.safe_writes) write_quietly(*port, *before, true);
   if (next.mode == Mode::park) faults_.write_safe_values();
   // No state is moved out of a core that an abandoned thread may still run.
-  const bool whole = task_.current->bundle->core.get() != task_.lost;
+  const bool whole = task_.current->bundle->core.get() != task_.abandoned_core;
   if (whole && !take_state(next)) return false;
   const bool was_running = task_.running;
   take_rest(next);

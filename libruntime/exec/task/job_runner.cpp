@@ -130,7 +130,7 @@ void JobRunner::conclude(Instant start, const JobEnd& end, const rt::Fault& faul
 void JobRunner::go_on() {
   this_job().lock_bound = task_.current->shortest_wait;
   this_report() = &task_.report;
-  task_.lost = task_.current->bundle->core.get();
+  task_.abandoned_core = task_.current->bundle->core.get();
   faults_.write_safe_values();
   faults_.fail_as_hung();
   this_report() = nullptr;

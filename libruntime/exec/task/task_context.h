@@ -41,8 +41,8 @@ struct TaskContext {
   // The owner of the task writes the rest: its thread, or [guard] once that is abandoned. Only
   // `failed` has operations for [control] and for any thread.
   FailedCore failed;
-  TaskUpdate* current = nullptr;   ///< the update in force; owned
-  const CoreBase* lost = nullptr;  ///< an abandoned thread may still be inside
+  TaskUpdate* current = nullptr;             ///< the update in force; owned
+  const CoreBase* abandoned_core = nullptr;  ///< an abandoned thread may still be inside
   const ResourceLock* failed_in =
       nullptr;                ///< the lock of the resource in whose service its last job failed
   FsmState* state = nullptr;  ///< the wait the task is in; null: before the initial state
