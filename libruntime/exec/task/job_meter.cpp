@@ -23,13 +23,13 @@ Duration longest_span(const TaskAttributes& task, Duration wait) {
 JobMeter::JobMeter(const Clock* simulated, std::shared_ptr<const rt::Noise> noise)
     : simulated_(simulated), noise_(std::move(noise)) {}
 
-void JobMeter::begin(rt::JobTimes& times, Instant start, Instant lateness, bool judged,
+void JobMeter::begin(rt::JobTimes& times, Instant start, Duration lateness, bool judged,
                      bool has_budget) {
   times_ = &times;
   if (times.since.load(std::memory_order_relaxed) == 0) {
     times.since.store(start, std::memory_order_relaxed);
   }
-  times.lateness.add(lateness);
+  times.lateness.add(lateness.count());
   // A system call, so only where it counts. It counts on probation, where the core is judged by it.
   // It counts without a budget: there measured times stand in for it, and the longest job may be
   // just the preempted one. It counts after a preempted job, as the next one may be preempted as

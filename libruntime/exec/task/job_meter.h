@@ -29,7 +29,7 @@ class JobMeter {
 
   /// A job begins; its times are added to `times`. Its processor time is read where it is needed:
   /// `judged`, since the job is on probation, or without a budget.
-  void begin(rt::JobTimes& times, Instant start, Instant lateness, bool judged, bool has_budget);
+  void begin(rt::JobTimes& times, Instant start, Duration lateness, bool judged, bool has_budget);
   /// The job ended. Returns the processor time of the job itself, without the threads that
   /// preempted it and without the time that the host reports as stolen. None: the job was
   /// preempted, and its processor time was not read.

@@ -99,9 +99,9 @@ void JobRunner::begin(Instant now) {
   job.trace = &task_.report.trace().ring;
   task_.report.record(TraceKind::release, now, task_.release - task_.t0, task_.number);
   Counters& counters = task_.report.counters();
-  const Instant lateness = now - task_.release;
-  counters.lateness_last.store(lateness, std::memory_order_relaxed);
-  raise(counters.lateness_max, lateness);
+  const Duration lateness{now - task_.release};
+  counters.lateness_last.store(lateness.count(), std::memory_order_relaxed);
+  raise(counters.lateness_max, lateness.count());
   add<std::uint64_t>(counters.releases, 1);
   const Bundle& bundle = *task_.current->bundle;
   task_.meter.begin(bundle.measured->here(), now, lateness, task_.mailbox.on_probation(),
