@@ -76,10 +76,10 @@ ComponentStatus look_at(const System& system, const Deployed& deployed) {
   status.next_release = Duration{counters.next_release.load(std::memory_order_relaxed)};
   status.watchdog = deployed.task->bound(deployed.realtime);
   status.restored = counters.restored.load(std::memory_order_relaxed);
-  const Instant failed_at = deployed.task->failed_core().at();
+  const Instant failed_at = deployed.task->core_failure().at();
   if (status.state == ComponentState::running && failed_at != 0) {
     const bool hopeless =
-        deployed.task->failed_core().is_hopeless();  // it parks as soon as its thread looks
+        deployed.task->core_failure().is_hopeless();  // it parks as soon as its thread looks
     status.state = hopeless ? ComponentState::faulted : ComponentState::recovering;
     if (!hopeless) status.recovery = recovery_of(system, deployed, failed_at);
   }

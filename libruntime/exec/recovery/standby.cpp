@@ -83,7 +83,7 @@ void leave_failed(System& system, Deployed& deployed, Instant failed_at, const s
   outcome.reason = outcome.incident->text += "; " + why;
   outcome.cores = {deployed.component->bundle()->core_type.name};
   system.outcomes.push_back(std::move(outcome));
-  deployed.task->failed_core().declare_hopeless(failed_at);
+  deployed.task->core_failure().declare_hopeless(failed_at);
   system.runner->wake(*deployed.task);
 }
 
@@ -91,8 +91,8 @@ void leave_failed(System& system, Deployed& deployed, Instant failed_at, const s
 /// way?
 bool waits_for_standby(const System& system, const Deployed& deployed) {
   const bool other = deployed.hidden || deployed.changing || deployed.standby.content != nullptr;
-  return !other && !is_rolled_back(system) && deployed.task->failed_core().at() != 0 &&
-         !deployed.task->failed_core().is_hopeless();
+  return !other && !is_rolled_back(system) && deployed.task->core_failure().at() != 0 &&
+         !deployed.task->core_failure().is_hopeless();
 }
 
 using Fallback = std::optional<ComponentBase::Fallback>;
@@ -255,7 +255,7 @@ void look_after_standby_cores(System& system) {
   }
   for (Deployed& deployed : system.deployed) {
     // The failure is read first: the decision below names it, and a later failure is another one.
-    const Instant failed_at = deployed.task->failed_core().at();
+    const Instant failed_at = deployed.task->core_failure().at();
     if (!waits_for_standby(system, deployed)) continue;
     const std::string why = why_no_standby(system, deployed);
     if (!why.empty()) leave_failed(system, deployed, failed_at, why);
@@ -275,7 +275,7 @@ void refuse_standby(System& system, std::string_view component, const std::strin
   MAUVE_ON_THREAD(control);
   Deployed* deployed = system.find(component);
   if (deployed == nullptr) return;
-  const Instant failed_at = deployed->task->failed_core().at();
+  const Instant failed_at = deployed->task->core_failure().at();
   if (waits_for_standby(system, *deployed)) leave_failed(system, *deployed, failed_at, why);
 }
 

@@ -40,7 +40,7 @@ class Task {
   [[nodiscard]] const JobWatch& watch() const { return context_.watch; }
   /// While its core has failed, the task waits for its rollback or its standby core. It parks as
   /// faulted once nothing can recover it.
-  [[nodiscard]] FailedCore& failed_core() { return context_.failed; }
+  [[nodiscard]] CoreFailure& core_failure() { return context_.failed; }
   /// The task runs a core whose last jobs exceeded their budget, without a verdict yet. [any]
   [[nodiscard]] bool suspected() const;
 

@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
+#include "exec/task/core_failure.h"
 #include "exec/task/evidence.h"
-#include "exec/task/failed_core.h"
 #include "exec/task/job_meter.h"
 #include "exec/task/job_watch.h"
 #include "exec/task/mailbox.h"
@@ -40,7 +40,7 @@ struct TaskContext {
 
   // The owner of the task writes the rest: its thread, or [guard] once that is abandoned. Only
   // `failed` has operations for [control] and for any thread.
-  FailedCore failed;
+  CoreFailure failed;
   TaskUpdate* current = nullptr;             ///< the update in force; owned
   const CoreBase* abandoned_core = nullptr;  ///< an abandoned thread may still be inside
   const ResourceLock* failed_in =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// FailedCore: the failure of a component's core, while no job runs because of it. The failure is
+/// CoreFailure: the failure of a component's core, while no job runs because of it. The failure is
 /// forgotten when another core takes over, when a change goes on probation or is rolled back, and
 /// when the component starts or parks.
 #pragma once
@@ -13,7 +13,7 @@
 
 namespace mauve::exec {
 
-class FailedCore {
+class CoreFailure {
  public:
   // --- [rt] the thread of the task, or [guard] once that is abandoned ---------------------------
   /// The core has failed; no job runs meanwhile.
