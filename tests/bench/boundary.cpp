@@ -93,7 +93,7 @@ class Driven {
     const Instant start = now();
     for (int i = 0; i < jobs; ++i) {
       task_.serve();
-      task_.release();
+      task_.run_release();
       clock_.step(kWait);
     }
     const Instant end = now();
@@ -120,7 +120,7 @@ class Driven {
     forth->back->rollback = &rollback_;
     clock_.set(task_.next_release());
     task_.mailbox().publish(*forth.release());
-    task_.release();
+    task_.run_release();
     must_hold(task_.mailbox().stand_by(*bundle(mauve::Mode::keep).release()),
               "there is no standby core");
   }

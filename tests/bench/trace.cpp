@@ -59,7 +59,7 @@ class Driven {
     const Instant start = now();
     for (int i = 0; i < jobs; ++i) {
       task_.serve();
-      task_.release();
+      task_.run_release();
       clock_.step(kWait);
     }
     return static_cast<double>(now() - start) / jobs;

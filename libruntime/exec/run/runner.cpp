@@ -68,7 +68,7 @@ class Simulation final : public Runner {
     }
     if (first == nullptr || first->task->next_release() > limit) return false;
     clock_.set(std::max(clock_.now(), first->task->next_release()));
-    first->task->release();
+    first->task->run_release();
     return true;
   }
   static bool before(const Entry& a, const Entry& b) {

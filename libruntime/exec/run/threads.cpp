@@ -187,7 +187,7 @@ class Threads final : public Runner {
   static bool step(Task& task) {
     const std::uint32_t seen = task.mailbox().wake_word().load(std::memory_order_acquire);
     if (!task.serve()) return false;
-    if (task.due()) return task.release();  // a wait for the past would cost 15 us
+    if (task.due()) return task.run_release();  // a wait for the past would cost 15 us
     rt::futex_wait_until(task.mailbox().wake_word(), seen,
                          task.running() ? task.next_release() : rt::kForever);
     return true;

@@ -73,7 +73,7 @@ bool Task::serve() {
   return true;
 }
 
-bool Task::release() {
+bool Task::run_release() {
   const auto& prefetch_set = context_.current->prefetch_set;
   if (prefetch_set != nullptr) prefetch_set->prefetch();
   const Instant now = context_.clock.now();

@@ -69,16 +69,16 @@ class Task {
 
   // --- [rt] -------------------------------------------------------------------------------------
   /// What the boundary does ahead of the armed release, see Boundary::serve(). False: see
-  /// release().
+  /// run_release().
   bool serve();
   [[nodiscard]] bool running() const { return context_.running; }
   /// When the next job is due (monotonic); only while running.
   [[nodiscard]] Instant next_release() const { return context_.release; }
   /// Has the time of the next job come?
   [[nodiscard]] bool due() const { return context_.due(); }
-  /// The boundary and the job of the armed release. False: this thread was abandoned meanwhile, and
-  /// has no part in the task any more.
-  bool release();
+  /// Runs the boundary and the job of the armed release. False: this thread was abandoned
+  /// meanwhile, and has no part in the task any more.
+  bool run_release();
   /// The first call on a thread that replaces an abandoned one: writes the safe values and records
   /// the fault of the abandoned job.
   void go_on();

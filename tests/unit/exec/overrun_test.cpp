@@ -46,7 +46,7 @@ class Overrun : public testing::Test {
   void run(int count) {
     for (int i = 0; i < count && task.running(); ++i) {
       clock.set(std::max(clock.now(), task.next_release()));
-      task.release();
+      task.run_release();
     }
   }
   std::vector<std::int64_t> released_ms() {
@@ -117,7 +117,7 @@ TEST_F(Overrun, LateWakeUpWithinThePeriodIsNoOverrun) {
   begin();
   clock.advance(900us);
 
-  task.release();
+  task.run_release();
 
   EXPECT_EQ(task.counters().overruns, 0u);
   EXPECT_EQ(task.counters().lateness_max, 900'000);

@@ -55,7 +55,7 @@ class TaskStatistics : public testing::Test {
   void run(int count, Duration late = Duration{0}) {
     for (int i = 0; i < count; ++i) {
       clock.set(std::max(clock.now(), task.next_release() + late.count()));
-      task.release();
+      task.run_release();
     }
   }
   const rt::JobTimes& times() { return component.bundle()->measured->shown(); }

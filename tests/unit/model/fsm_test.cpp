@@ -65,7 +65,7 @@ TEST(Fsm, FollowsTheTimelineOfThePaper) {
   task.begin(std::move(first), 0);
   const auto step = [&] {
     clock.set(task.next_release());
-    task.release();
+    task.run_release();
   };
 
   step();  // WG, SW
