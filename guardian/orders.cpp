@@ -105,8 +105,8 @@ void Orders::begin(Held& held, std::int64_t now) {
 /// True when nothing is left to be done for it.
 bool Orders::advance(Held& held, std::int64_t now) {
   while (held.times < held.order.times && held.due <= now) {
-    const ssize_t count = write(held.descriptor, held.order.bytes.data() + held.bytes,
-                                held.order.size - held.bytes);
+    const ssize_t count =
+        write(held.descriptor, held.order.bytes.data() + held.bytes, held.order.size - held.bytes);
     if (count < 0) {
       held.error = errno;
       return errno != EAGAIN && errno != EINTR;

@@ -39,10 +39,10 @@ class Orders {
   struct Held {
     wire::Order order;
     int descriptor = -1;
-    std::uint32_t times = 0;   // it went out so often
-    std::uint32_t bytes = 0;   // of the next time
-    std::int64_t due = 0;      // when it goes out next, nanoseconds
-    int error = 0;             // of the last attempt
+    std::uint32_t times = 0;  // it went out so often
+    std::uint32_t bytes = 0;  // of the next time
+    std::int64_t due = 0;     // when it goes out next, nanoseconds
+    int error = 0;            // of the last attempt
   };
   static void begin(Held& held, std::int64_t now);
   [[nodiscard]] static bool advance(Held& held, std::int64_t now);

@@ -39,10 +39,12 @@ constexpr unsigned kArchitecture = 0;
 #endif
 
 constexpr std::array kCalls{
-    SYS_write, SYS_pread64, SYS_recvmsg, SYS_sendto, SYS_futex, SYS_clock_nanosleep,
-    SYS_clock_gettime, SYS_ppoll, SYS_ioctl, SYS_fcntl, SYS_close, SYS_accept4, SYS_getsockopt,
-    SYS_pidfd_open, SYS_openat, SYS_mmap, SYS_munmap, SYS_fstat, SYS_newfstatat, SYS_geteuid,
-    SYS_exit_group, SYS_rt_sigreturn, SYS_restart_syscall,
+    SYS_write,      SYS_pread64,         SYS_recvmsg,         SYS_sendto,
+    SYS_futex,      SYS_clock_nanosleep, SYS_clock_gettime,   SYS_ppoll,
+    SYS_ioctl,      SYS_fcntl,           SYS_close,           SYS_accept4,
+    SYS_getsockopt, SYS_pidfd_open,      SYS_openat,          SYS_mmap,
+    SYS_munmap,     SYS_fstat,           SYS_newfstatat,      SYS_geteuid,
+    SYS_exit_group, SYS_rt_sigreturn,    SYS_restart_syscall,
 #ifdef SYS_poll
     SYS_poll,
 #endif
@@ -62,7 +64,8 @@ void become_urgent() {
   }
   const int score = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
   if (score >= 0) {
-    if (write(score, "-1000", 5) < 0 && errno != EACCES) say("its place before the OOM killer stays.");
+    if (write(score, "-1000", 5) < 0 && errno != EACCES)
+      say("its place before the OOM killer stays.");
     close(score);
   }
 }
@@ -85,8 +88,8 @@ void confine_calls() {
   filter[at++] = statement(kReturn, SECCOMP_RET_KILL_PROCESS);
   filter[at++] = statement(kLoad, offsetof(seccomp_data, nr));
   for (std::size_t i = 0; i < kCalls.size(); ++i) {
-    filter[at++] = jump(static_cast<unsigned>(kCalls[i]),
-                        static_cast<unsigned>(kCalls.size() - i), 0);  // to the last statement
+    filter[at++] = jump(static_cast<unsigned>(kCalls[i]), static_cast<unsigned>(kCalls.size() - i),
+                        0);  // to the last statement
   }
   filter[at++] = statement(kReturn, SECCOMP_RET_ERRNO | EPERM);
   filter[at++] = statement(kReturn, SECCOMP_RET_ALLOW);

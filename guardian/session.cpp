@@ -32,7 +32,8 @@ constexpr int kToBeGoneMs = 500;
 /// The first descriptor that came along; others are closed. -1: none.
 int descriptor_in(msghdr& message) {
   int first = -1;
-  for (cmsghdr* with = CMSG_FIRSTHDR(&message); with != nullptr; with = CMSG_NXTHDR(&message, with)) {
+  for (cmsghdr* with = CMSG_FIRSTHDR(&message); with != nullptr;
+       with = CMSG_NXTHDR(&message, with)) {
     if (with->cmsg_level != SOL_SOCKET || with->cmsg_type != SCM_RIGHTS) continue;
     for (std::size_t at = CMSG_LEN(0); at + sizeof(int) <= with->cmsg_len; at += sizeof(int)) {
       int one = -1;
@@ -44,7 +45,8 @@ int descriptor_in(msghdr& message) {
   return first;
 }
 
-/// Receives one message, with the descriptor that came along (-1: none). Returns the result of recvmsg(2).
+/// Receives one message, with the descriptor that came along (-1: none). Returns the result of
+/// recvmsg(2).
 ssize_t receive(int socket, wire::Request& request, int& descriptor) {
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> room{};
   iovec part{&request, sizeof request};
@@ -219,7 +221,8 @@ void Session::watch_beats() {
   if (limit_ == 0 || silent_ < limit_ || reported_silent_) return;
   reported_silent_ = true;
   const Sent sent = orders_.send();
-  say("mauved (process %d) was silent for %lld ms: %u of %u outputs were put into their safe state.",
+  say("mauved (process %d) was silent for %lld ms: %u of %u outputs were put into their safe "
+      "state.",
       peer_.process(), static_cast<long long>(silent_ / kMillisecond), sent.whole, sent.total);
   report_silence(sent);
 }

@@ -45,7 +45,7 @@ class Session {
   std::uint64_t beats_ = 0;           // the last that was seen; 0: none yet
   std::int64_t looked_ = 0;           // when
   std::int64_t began_ = 0;
-  std::int64_t silent_ = 0;           // for so long, as far as this process itself was on time
+  std::int64_t silent_ = 0;  // for so long, as far as this process itself was on time
   bool reported_silent_ = false;
   const char* cause_ = "";
 };
