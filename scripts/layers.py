@@ -13,7 +13,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "cmake"))
 import member_names  # noqa: E402
 
 # Layer: the layers that it may use (itself always). "public" is libruntime/include/mauve.
-RUNTIME = "public base rt rules model exec plugin analysis trace arch"
+RUNTIME = "public base rt rules model exec plugin analysis arch"
 MAY_USE = {
     "public": "",
     "base": "public",
@@ -23,8 +23,7 @@ MAY_USE = {
     "exec": "public base rt model analysis",
     "plugin": "public base rt model",
     "analysis": "public base",
-    "trace": "public base rt model",
-    "arch": "public base rt rules model exec plugin analysis trace",
+    "arch": "public base rt rules model exec plugin analysis",
     "protocol": "public base",
     "log": "public base rt",
     "daemon": RUNTIME + " protocol log",
@@ -35,6 +34,11 @@ MAY_USE = {
     "man": RUNTIME + " protocol log daemon ctl",
     "tests": RUNTIME + " protocol log daemon ctl plugins man guardian",
 }
+# A layer that uses another one in part only: the headers of that one that it may include.
+PARTS = {("guardian", "rt"): "libruntime/rt/guardian/guardian_wire.h",
+         ("ctl", "log"): "daemon/log/events.def",
+         ("ctl", "rt"): "libruntime/rt/machine/machine_costs.h libruntime/rt/process/process.h "
+                        "libruntime/rt/thread/futex.h libruntime/rt/thread/thread.h"}
 # Folder: its layer. The longest match counts; a folder below libruntime that is not here is an error.
 FOLDERS = {"libruntime/include": "public", "daemon/protocol": "protocol", "daemon/log": "log",
            "daemon": "daemon", "guardian": "guardian", "ctl": "ctl", "examples": "examples", "man": "man", "plugins": "plugins", "tests": "tests", "scripts": "tests",
@@ -142,6 +146,8 @@ def include_problem(root, path, layer, name):
     used = layer_of(target)
     if used == layer:
         return stairs_problem(path, target)
+    if used is not None and target not in PARTS.get((layer, used), target).split():
+        return f"layer {layer} may use of {used} only {PARTS[layer, used]}, not {target}"
     if used is None or used in MAY_USE[layer].split():
         return None
     return f'layer {layer} may use "{MAY_USE[layer] or "nothing"}", not {used} ({target})'
@@ -166,7 +172,7 @@ def check_file(root, path):
 
 
 def sources(root):
-    for top in ("libruntime", "daemon", "ctl", "man", "plugins", "examples", "tests", "scripts"):
+    for top in ("libruntime", "daemon", "guardian", "ctl", "man", "plugins", "examples", "tests", "scripts"):
         for path in sorted((root / top).rglob("*")):
             if path.suffix in SUFFIXES and path.is_file():
                 yield path.relative_to(root).as_posix()

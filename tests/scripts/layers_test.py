@@ -45,6 +45,20 @@ class Layers(unittest.TestCase):
         self.refused({"libruntime/exec/task.h": "", "libruntime/plugin/a.cpp": '#include "exec/task.h"\n'},
                      "not exec")
 
+    def test_refuses_a_header_of_a_layer_that_may_be_used_in_part_only(self):
+        headers = {"libruntime/rt/process/process.h": "", "libruntime/rt/time/clock.h": "",
+                   "daemon/log/events.def": "", "daemon/log/log.h": ""}
+        self.accepted({**headers, "ctl/a.cpp": '#include "log/events.def"\n#include "rt/process/process.h"\n'})
+        self.refused({**headers, "ctl/a.cpp": '#include "log/log.h"\n'},
+                     "ctl/a.cpp:1: layer ctl may use of log only daemon/log/events.def, not daemon/log/log.h")
+        self.refused({**headers, "ctl/a.cpp": '#include "rt/time/clock.h"\n'}, "not libruntime/rt/time/clock.h")
+
+    def test_refuses_a_guardian_that_uses_more_than_its_messages(self):
+        self.refused({"libruntime/exec/task.h": "", "guardian/a.cpp": '#include "exec/task.h"\n'},
+                     'layer guardian may use "rt", not exec')
+        self.refused({"libruntime/rt/time/clock.h": "", "guardian/a.cpp": '#include "rt/time/clock.h"\n'},
+                     "layer guardian may use of rt only libruntime/rt/guardian/guardian_wire.h")
+
     def test_refuses_a_room_that_knows_a_higher_one_of_its_layer(self):
         self.accepted({"libruntime/exec/task/task.h": "#pragma once\n",
                        "libruntime/exec/commit/commit.cpp": '#include "exec/task/task.h"\n'})
