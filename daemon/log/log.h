@@ -52,16 +52,19 @@ class Log {
   /// Waits until everything reported so far is in the history and in the sinks. [any but log]
   void flush();
 
-  /// A level that reverts by itself is reported as an event.
+  /// The levels that decide which records are accepted. The log reports the end of a level that was
+  /// set for a time. [any]
   [[nodiscard]] Levels& levels() { return levels_; }
-  [[nodiscard]] History& history() { return history_; }
+  [[nodiscard]] History& history() { return history_; }  ///< the newest records
 
-  static constexpr std::size_t kHistory = 4096;
-  static constexpr std::size_t kQueue = 8192;
+  static constexpr std::size_t kHistory = 4096;  ///< records
+  static constexpr std::size_t kQueue = 8192;    ///< records that wait for a round of [log]
   static constexpr std::chrono::milliseconds kPeriod{20};
 
  private:
   void run();
+  /// Adds the events of the source. Delivers the records up to `cut`, in ns on the monotonic clock;
+  /// the later ones stay in the batch.
   void drain(std::vector<Record>& batch, std::int64_t cut);
   void deliver(Record record);
   void look_at_levels(std::vector<Record>& batch);
@@ -75,17 +78,17 @@ class Log {
   std::uint64_t seq_ = 0;     ///< [log]
 
   Mutex source_mutex_;
-  Source source_;
+  Source source_ MAUVE_GUARDED_BY(source_mutex_);
 
-  Mutex mutex_;  ///< guards the members below
+  Mutex mutex_;
   ConditionVariable wake_;
   ConditionVariable done_;
   std::vector<Record> queue_ MAUVE_GUARDED_BY(mutex_);
   std::uint64_t lost_ MAUVE_GUARDED_BY(mutex_) = 0;
   std::uint64_t rounds_ MAUVE_GUARDED_BY(mutex_) = 0;  ///< complete rounds of the [log] thread
-  bool hurry_ MAUVE_GUARDED_BY(mutex_) = false;
+  bool hurry_ MAUVE_GUARDED_BY(mutex_) = false;  ///< flush() waits: the next round begins at once
   bool stopping_ MAUVE_GUARDED_BY(mutex_) = false;
-  std::thread thread_;
+  std::thread thread_;  ///< [log]; start() and stop() are called by one thread
 };
 
 }  // namespace mauve::logging
