@@ -18,7 +18,7 @@ namespace {
 
 /// [factory]
 Status free_all(ChangeRequest& request) {
-  auto cleaned = request.retired->release();
+  auto cleaned = request.retired.release();
   const std::string at = request.change.edits.empty() ? "" : request.change.edits[0].member;
   static_cast<void>(drop_elements(at, [&request] {
     request.prepared.reset();

@@ -22,7 +22,7 @@ struct ChangeRequest {
   Change change;
   std::uint64_t stops = 0;  ///< of its components, when it began
   std::optional<Result<PreparedChange>> prepared;
-  std::optional<Retired> retired{std::in_place};
+  Retired retired;  ///< the replaced elements; [factory] frees them
   std::shared_ptr<ChangeHooks> hooks;  ///< may be null
   Status exchanged;
   std::vector<arch::Line> lines;  ///< the differences that it makes, once it is prepared

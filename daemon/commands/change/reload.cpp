@@ -39,7 +39,7 @@ struct Reload {
   Change change;  ///< [factory] fills in the types, see take_new_types()
   std::optional<Result<LoadedPlugin>> loaded;
   std::optional<Result<PreparedChange>> prepared;
-  std::optional<Retired> retired{std::in_place};
+  Retired retired;
   std::optional<Receipt> receipt;
   std::optional<LoadedPlugin> old;
   plugin::Unmapped unmapped;
@@ -119,7 +119,7 @@ Status hand_names_over(Running& running, Reload& reload) {
 /// [factory] Messages of the old code are text in the old code: they are reported before it is
 /// unloaded.
 void free_old(Running& running, Reload& reload, bool in_force) {
-  static_cast<void>(reload.retired->release());
+  static_cast<void>(reload.retired.release());
   reload.prepared.reset();
   reload.change = {};  // the new types, and with them their library
   reload.loaded.reset();
@@ -192,7 +192,7 @@ void end_when_settled(Running& running, const CallPtr& call, ReloadPtr reload, T
         return running.deployer.settled() || std::chrono::steady_clock::now() > patience;
       },
       [&running, call, reload, ticket = std::move(ticket), done]() mutable {
-        reload->retired->merge(running.deployer.collect());
+        reload->retired.merge(running.deployer.collect());
         end(running, call, std::move(reload), std::move(ticket), done);
       });
 }

@@ -22,7 +22,7 @@ struct RollbackInPlace {
   bool starts = true;    ///< false: the component did not run before the swap, nor since
   std::optional<Result<PreparedChange>> prepared;
   Status exchanged;
-  std::optional<Retired> retired{std::in_place};
+  Retired retired;
 };
 using RollbackPtr = std::shared_ptr<RollbackInPlace>;
 
@@ -57,7 +57,7 @@ bool is_at_rest(const Running& running, const PlaceProbation& place) {
 void free_in_factory(Running& running, RollbackPtr way, Ticket ticket) {
   running.control.in_factory(
       [way = std::move(way)]() mutable {
-        static_cast<void>(way->retired->release());
+        static_cast<void>(way->retired.release());
         way.reset();
       },
       [ticket = std::move(ticket)] {});
