@@ -102,7 +102,7 @@ class Application final : public ChangeHooks {
     return std::move(difference_.change);
   }
 
-  Status ready() override {
+  Status check_prepared() override {
     if (running_.supervisor.adoptions() != compared_with_) {
       return refuse({Errc::conflict, "changed_meanwhile"}, "rules",
                     "changed since the file was compared with them: a change was rolled back",
@@ -225,7 +225,7 @@ void load_only(Running& running, const Call& call, Application& application) {
     good = check_conditions(running, call);
   }
   if (good) {
-    good = application.ready();
+    good = application.check_prepared();
   }
   if (good) {
     good = may_change(running, call, *application.lines());

@@ -25,8 +25,8 @@ class ChangeHooks {
   ChangeHooks& operator=(const ChangeHooks&) = delete;
   virtual ~ChangeHooks() = default;
 
-  /// [control] Everything is prepared; a refusal, and nothing happens.
-  virtual Status ready() = 0;
+  /// [control] Called when all is prepared; an error refuses the change.
+  virtual Status check_prepared() = 0;
   /// [control] The change is in force, or partly, and made this generation. A rollback of it comes
   /// later.
   virtual void in_force(std::uint64_t generation) = 0;

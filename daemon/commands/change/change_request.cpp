@@ -53,7 +53,7 @@ bool may_go_on(Running& running, const Call& call, ChangeRequest& request) {
     met = stopped_meanwhile(request);
   }
   if (met && request.hooks != nullptr) {
-    met = request.hooks->ready();
+    met = request.hooks->check_prepared();
   }
   if (met) {
     const auto whole = request.hooks == nullptr ? std::nullopt : request.hooks->lines();

@@ -24,7 +24,7 @@ Edit edit_to_start(const Running& running, const std::string& name, bool reset) 
 class Already final : public ChangeHooks {
  public:
   explicit Already(std::vector<std::string> names) : names_(std::move(names)) {}
-  Status ready() override { return ok(); }
+  Status check_prepared() override { return ok(); }
   void in_force(std::uint64_t /*generation*/) override {}
   void complete(Json& result) override { say_already(names_, "running", result); }
 

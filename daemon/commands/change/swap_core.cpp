@@ -85,7 +85,7 @@ class Properties final : public ChangeHooks {
       }
     }
   }
-  Status ready() override { return ok(); }
+  Status check_prepared() override { return ok(); }
   void in_force(std::uint64_t /*generation*/) override {}
   void complete(Json& result) override {
     auto* component = running_.architecture.find_component(component_);
