@@ -10,10 +10,9 @@
 
 namespace mauve::daemon {
 
-/// [control] The running system becomes the one of this text, all of it at one instant, or nothing
-/// happens. Takes over the call and the ticket. The text is not `text` of the call when it comes
-/// from somewhere else; `dry_run`, `state` and `file` of the call are looked at. A `reason` that is
-/// not empty goes to the log in place of a missing one.
+/// [control] Makes the running system that of `text` in one change, or refuses that; takes over the
+/// call and the ticket. `text` may come from elsewhere than the parameter `text` of the call; its
+/// other parameters count as in architecture.apply. A call without a reason gets `reason`.
 void apply_architecture(Running& running, const CallPtr& call, Ticket ticket, std::string text,
                         const std::string& reason);
 

@@ -133,9 +133,9 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
       dry_run ? answer_dry_run : put_in_force);
 }
 
-Edit edit_of(std::string_view component) {
+Edit edit_of(std::string_view member) {
   Edit edit;
-  edit.member = component;
+  edit.member = member;
   return edit;
 }
 

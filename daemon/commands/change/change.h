@@ -46,7 +46,8 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
 void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
                    std::function<void(Ongoing&)> then);
 
-/// The state of the system after a change that was refused with this error.
+/// The state of the running system after a change that ended with this error: "partly" or
+/// "unchanged".
 [[nodiscard]] std::string state_after(const Error& error);
 
 /// [control] The differences that a prepared change makes.
@@ -55,12 +56,13 @@ void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
 /// [control] A structure may be given partly: which of its fields kept their values, as `kept`.
 void say_kept(const Running& running, const Change& change, Json& result);
 
-/// [control] A stop of a component that it starts was asked for later, and overtook it.
+/// [control] Whether the change starts a component for which a stop was received after this call.
+/// The stop was served first, so the change is to be refused.
 [[nodiscard]] bool overtaken_by_stop(const Running& running, const Call& call,
                                      const Change& change);
 
-/// The edit of this component or resource with which a change begins.
-[[nodiscard]] Edit edit_of(std::string_view component);
+/// An edit that names this component or resource, and changes nothing yet.
+[[nodiscard]] Edit edit_of(std::string_view member);
 
 /// The reason of a requested rollback begins with this.
 inline constexpr std::string_view kUndone = "undone";

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A change request: one change on its way between the threads, from the request to the answer.
+/// The steps that changes share: preparation on [factory], the checks before and after it, the
+/// answer, and the release of the elements.
 #pragma once
 
 #include <cstdint>
@@ -22,16 +23,16 @@ struct ChangeRequest {
   Change change;
   std::uint64_t stops = 0;  ///< of its components, when it began
   std::optional<Result<PreparedChange>> prepared;
-  Retired retired;  ///< the replaced elements; [factory] frees them
+  Retired retired;                     ///< the replaced elements; [factory] frees them
   std::shared_ptr<ChangeHooks> hooks;  ///< may be null
-  Status exchanged;
-  std::vector<arch::Line> lines;  ///< the differences that it makes, once it is prepared
+  Status exchanged;                    ///< of a swap in place: whether it has exchanged the cores
+  std::vector<arch::Line> lines;       ///< the differences that it makes, once it is prepared
   std::vector<std::string> notes;
   CoreBefore before;  ///< of a swap in place
 };
 using ChangeRequestPtr = std::shared_ptr<ChangeRequest>;
 
-/// [control] Nothing of the request is touched on this thread afterwards.
+/// [control] Lets [factory] free the request, then ends the ticket.
 void free_in_factory(Running& running, ChangeRequestPtr request, Ticket ticket);
 
 /// [control] Answers the call: with the receipt, or with the refusal and the state after it.

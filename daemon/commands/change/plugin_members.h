@@ -9,13 +9,13 @@
 
 namespace mauve::daemon {
 
-/// [control] A change of all elements that run code of the plugin. The types in force stand for
-/// those to come.
+/// [control] A change with one edit for each component and resource that runs code of the plugin.
+/// The edits hold the types in force; take_new_types() replaces them with those of a new build.
 [[nodiscard]] Change members_of(const Running& running, const std::string& plugin,
                                 StatePolicy state);
 
-/// [factory] Puts the types of a new build of the plugin in place of those in force, also for the
-/// fallback cores. Refused when the build lacks one of them.
+/// [factory] Replaces the types of the edits, and those of fallback cores, with the types of a new
+/// build of the plugin. An error names a type that the build lacks.
 Status take_new_types(const plugin::LoadedPlugin& offered, Change& change);
 
 }  // namespace mauve::daemon
