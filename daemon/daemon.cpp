@@ -220,7 +220,7 @@ Status Daemon::serve() {
   running_->judge = [this](const Asker& asker, const Question& question, const Judge::Then& then) {
     judge_.ask(asker, question, then);
   };
-  running_->try_out = [this](const Question& question, const Judge::Then& then) {
+  running_->judge_change = [this](const Question& question, const Judge::Then& then) {
     trials_.ask({}, question, then);
   };
   running_->guardian = &guardian_;

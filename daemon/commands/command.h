@@ -50,9 +50,9 @@ class Watches;
 using protocol::Fault;
 using protocol::Json;
 
-/// The lock that an administrator has set. `params` holds the values of properties, `topology` all
-/// but these, starts and stops, `all` all but stops. None holds the reactions of mauved to a
-/// failure.
+/// The lock that an administrator has set. `params` refuses changes of properties, `topology` all
+/// others except starts and stops, `all` everything except stops and confirmations. No lock refuses
+/// a rollback, or a standby core that takes over, after a failure.
 enum class Lock : std::uint8_t { none, params, topology, all };
 
 /// The author of the generation in force, where that is known.
@@ -92,29 +92,31 @@ struct Running {
   Watches& watches;
   Supervisor& supervisor;
   std::function<std::vector<server::ClientInfo>()> clients;  ///< [any]
-  std::string boot;                                          ///< another one at every start
+  std::string boot;                                          ///< a random id of this run
   std::chrono::steady_clock::time_point since;               ///< when mauved began; see uptime_s
   std::atomic<std::uint64_t> generation{0};                  ///< a copy for other threads
-  /// [control] Stops by request of each component: no change that was asked for earlier undoes one.
+  /// [control] How often each component was stopped by request. A change that was asked for before
+  /// such a stop does not start the component again.
   std::map<std::string, std::uint64_t> stops = {};
-  /// [control] When the last of these came; it may have overtaken a change that came before it.
+  /// [control] When the last such stop of each component was received. A change that was received
+  /// earlier, but is served after the stop, is refused if it starts the component.
   std::map<std::string, std::chrono::steady_clock::time_point> stops_came = {};
-  /// [control] Cores that were rolled back, by version, and why: see quarantine.h.
+  /// [control] Cores that were rolled back, by version, and why: see recovery/quarantine.h.
   std::map<std::string, std::string> quarantined = {};
-  CoresInQuarantine* kept_out = nullptr;  ///< of these; null: the deployer does not ask
+  CoresInQuarantine* kept_out = nullptr;  ///< [any] the deployer asks it; null: it asks none
   /// [control] Components that an abandoned thread may still be in, and its hook.
   std::map<std::string, std::string> abandoned_in = {};
-  Unproven unproven = {};                   ///< [control] see unproven.h
-  Former former = {};                       ///< [control]
-  std::vector<PlaceProbation> places = {};  ///< [control]
+  Unproven unproven = {};                   ///< [control] see recovery/unproven.h
+  Former former = {};                       ///< [control] code that reloads have replaced
+  std::vector<PlaceProbation> places = {};  ///< [control] swaps in place on probation
   RollbackLines rollback_lines = {};        ///< [control] of the changes on probation
   Started started = {};                     ///< [control]
-  std::uint64_t recovered = 0;  ///< the saved generation that this run began with; 0: the file
-  StateStore* store = nullptr;  ///< null: nothing is kept
-  Guardian* guardian = nullptr;
-  Recorder* recorder = nullptr;
-  Lock lock = Lock::none;                   ///< [control], see lock.h
-  Author author = {};                       ///< [control]
+  std::uint64_t recovered = 0;   ///< the saved generation that this run began with; 0: the file
+  StateStore* store = nullptr;   ///< null: nothing is kept
+  Guardian* guardian = nullptr;  ///< [any] for `status`; null: it shows none
+  Recorder* recorder = nullptr;  ///< of traces; its functions name their threads
+  Lock lock = Lock::none;        ///< [control], see lock.h
+  Author author = {};            ///< [control] of the newest generation by request
   Realtime realtime = Realtime::prefer;     ///< as mauved was started
   std::vector<std::string> path_dirs = {};  ///< further directories that path_rule() allows
   std::vector<DecidingPath> deciding = {};  ///< see deciding_paths.h
@@ -126,8 +128,8 @@ struct Running {
   /// [any] Judges a file of this user beside the running system, then calls the function on
   /// [control]: see Judge::ask().
   std::function<void(const Asker&, const Question&, std::function<void(Result<Json>)>)> judge = {};
-  /// [any] The same for the change under way: see commands/change/trial.h.
-  std::function<void(const Question&, std::function<void(Result<Json>)>)> try_out = {};
+  /// [any] The same for the change under way, for try_out(): see commands/change/trial.h.
+  std::function<void(const Question&, std::function<void(Result<Json>)>)> judge_change = {};
   Stopper* stopper = nullptr;  ///< [any]; null: stops are served by [control] only
   /// [control] Reports and saves the outcomes that the system reached by itself since the last
   /// call, such as rollbacks, before a later change is saved.
@@ -146,8 +148,8 @@ struct Call {
   std::uint64_t before = 0;  ///< the generation that the request met
   /// How often each component was stopped by request when this one began: see Running::stops.
   std::optional<std::map<std::string, std::uint64_t>> stops = std::nullopt;
-  /// Of the generation that it makes; nothing: that of the one before. A change that only stops or
-  /// starts components proves nothing about them.
+  /// The mark of the generation that the call makes. Nothing: it has the mark of the generation
+  /// before, since a change that only stops or starts components proves nothing about them.
   std::optional<Confirmation> mark = std::nullopt;
   /// See check_conditions(). Copies share it.
   std::shared_ptr<std::atomic<Stage>> stage = std::make_shared<std::atomic<Stage>>(Stage::waiting);
@@ -189,7 +191,8 @@ struct Command {
 /// [any] The command of a row of protocol::methods().
 [[nodiscard]] const Command& command_of(const protocol::Method& method);
 
-// One function for each method, in a file of its own or with its relatives. Its row declares it.
+// Declares the handler that each row of methods.def names. Its definition is in a source of
+// commands/.
 #define MAUVE_RECORD(...)
 #define MAUVE_METHOD(name, handler, role, lane, ...) Handler<Lane::lane> handler;
 #include "protocol/methods.def"

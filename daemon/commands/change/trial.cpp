@@ -13,7 +13,7 @@ namespace mauve::daemon {
 void try_out(Running& running, const CallPtr& call, const Question& question, const std::string& at,
              std::function<void()> go_on) {
   MAUVE_ON_THREAD(control);
-  running.try_out(question, [&running, call, at, go_on = std::move(go_on)](Result<Json> made) {
+  running.judge_change(question, [&running, call, at, go_on = std::move(go_on)](Result<Json> made) {
     if (made) {
       return go_on();
     }

@@ -9,11 +9,11 @@
 
 namespace mauve::daemon {
 
-/// [control] Makes all that `question` names in a process of its own. When that ends by itself,
-/// `go_on` is called on [control]; its errors are not looked at, since the change finds them again
-/// among the elements that run. When code of a plugin crashes, hangs or ends that process, the call
-/// is answered so, and nothing has touched mauved.
-/// `at`: the name of the file or plugin, for a refusal that knows no nearer place.
+/// [control] Has a process of its own make all that `question` names. If that process gives its
+/// verdict, `go_on` is called on [control], also if the verdict names errors: the change finds them
+/// again. If code of a plugin crashes, hangs or ends the process, the call is answered with a
+/// refusal, and mauved is unaffected. `at`: the file or plugin that a refusal names if it names no
+/// nearer place.
 void try_out(Running& running, const CallPtr& call, const Question& question, const std::string& at,
              std::function<void()> go_on);
 

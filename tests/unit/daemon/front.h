@@ -29,7 +29,7 @@ class Front : public testing::Test {
     running.judge = [this](const Asker&, const Question& question, const Judge::Then& then) {
       control.read([=] { then(judge(question, plugin::Catalog())); });
     };
-    running.try_out = [this](const Question& question, const Judge::Then& then) {
+    running.judge_change = [this](const Question& question, const Judge::Then& then) {
       running.judge({}, question, then);
     };
     ASSERT_TRUE(deployer.deploy());
