@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "arch/compare/task_attributes.h"
+#include "arch/parse/part_of_value.h"
 #include "arch/text/value_json.h"
 #include "commands/answer.h"
 #include "commands/change/change.h"
@@ -21,7 +22,7 @@ constexpr std::string_view kTaskPart = ".task.";
 Result<Value> accepted_value(const Running& running, const std::string& address, const Json& json) {
   const auto target = find_target(running, address);
   if (!target) {
-    return target.error();
+    return arch::part_not_set(running.architecture, address, json.dump(), target.error());
   }
   if (target->property == nullptr) {
     return refuse({Errc::unknown_name, "unknown_property"}, address,

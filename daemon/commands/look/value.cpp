@@ -5,6 +5,7 @@
 
 #include "arch/compare/task_attributes.h"
 #include "arch/parse/built_in.h"
+#include "arch/parse/part_of_value.h"
 #include "arch/text/value_json.h"
 #include "base/duration.h"
 #include "mauve/host/resource.h"
@@ -229,7 +230,7 @@ Result<Json> sample_at(const Running& running, const std::string& address) {
   }
   const auto quantity = arch::find_quantity(running.architecture, address);
   if (!quantity) {
-    return target.error();
+    return arch::part_not_read(running.architecture, address, target.error());
   }
   const auto value = read(running, *quantity);
   if (!value) {

@@ -9,6 +9,7 @@
 
 #include "arch/build/load.h"
 #include "arch/compare/describe.h"
+#include "arch/parse/part_of_value.h"
 #include "arch/parse/quantity.h"
 #include "arch/parse/transaction.h"
 #include "arch/text/value_json.h"
@@ -253,6 +254,32 @@ TEST_F(RulesInFiles, FindAPlainValueBehindEveryKindOfAddress) {
   EXPECT_EQ(kind("pose.read.age"), "a duration");
   EXPECT_EQ(kind("left.ports.pose.status"), "a word");
   EXPECT_EQ(kind("left.ports.pose.y"), "a number");
+}
+
+TEST_F(RulesInFiles, NameTheWholeValueToARequestForAPartOfIt) {
+  const auto architecture = accepted(supervised());
+  ASSERT_NE(architecture, nullptr);
+  const Error other = refuse({Errc::unknown_name, "unknown_address"}, "x", "other");
+  const auto set = [&](const char* address) {
+    const Error error = part_not_set(*architecture, address, "3", other);
+    return error.id + ": " + error.hint;
+  };
+  const auto get = [&](const char* address) {
+    const Error error = part_not_read(*architecture, address, other);
+    return error.id + ": " + error.hint;
+  };
+
+  EXPECT_EQ(set("left.core.home.x"),
+            "field_not_alone: mauvectl set left.core.home='{\"x\":3}'; it keeps the other fields");
+  EXPECT_EQ(set("pose.read.x"),
+            "field_not_alone: mauvectl write pose.write '{...}' takes a whole value");
+  EXPECT_EQ(set("left.ports.pose.x"), "field_not_alone: mauvectl show left lists the properties");
+  EXPECT_EQ(set("left.core.home.z"), "unknown_field: it has: x, y");
+  EXPECT_EQ(set("left.core.hme"), "unknown_address: ");
+  EXPECT_EQ(set("left.state"), "unknown_address: ");
+  EXPECT_EQ(get("scan.read.ranges"), "part_without_address: mauvectl get scan.read");
+  EXPECT_EQ(get("pose.read.z"), "unknown_field: it has: x, y");
+  EXPECT_EQ(get("pose.reed.x"), "unknown_address: ");
 }
 
 }  // namespace
