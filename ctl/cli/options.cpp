@@ -89,6 +89,34 @@ Fault unexpected(const std::string& word, const Command* command) {
   const std::string help =
       "mauvectl " + (command != nullptr ? std::string(command->name) + " " : "") + "--help";
   if (word.starts_with('-')) {
+/// "'status' or 'stats'": the commands that `word` begins, first those that change nothing; empty
+/// when there are more than four.
+std::string commands_begun_by(std::string_view word) {
+  std::string text;
+  std::size_t count = 0;
+  for (const bool changes : {false, true}) {
+    for (const Command& one : commands()) {
+      if (word.size() < 2 || one.changes != changes || !one.name.starts_with(word)) continue;
+      text += (count++ == 0 ? "'" : " or '") + std::string(one.name) + "'";
+    }
+  }
+  return count > 4 ? std::string{} : text;
+}
+
+/// The hint for an unknown command. A command that only looks goes before an equally near one.
+std::string near_command(std::string_view word, const std::string& help) {
+  if (const auto begun = commands_begun_by(word); !begun.empty()) {
+    return "did you mean " + begun + "?";
+  }
+  std::vector<std::string> names;
+  for (const bool changes : {false, true}) {
+    for (const Command& one : commands()) {
+      if (one.changes == changes) names.emplace_back(one.name);
+    }
+  }
+  return near(word, names, help);
+}
+
     return wrong_use("usage_unknown_option", "unknown option '" + word + "'", {},
                      near(word, option_names(command), help));
   }
@@ -97,10 +125,8 @@ Fault unexpected(const std::string& word, const Command* command) {
                      "'" + word + "' is one argument too many for " + std::string(command->name),
                      {}, "example: " + std::string(command->example));
   }
-  std::vector<std::string> names;
-  for (const Command& one : commands()) names.emplace_back(one.name);
   return wrong_use("usage_unknown_command", "unknown command '" + word + "'", {},
-                   near(word, names, help));
+                   near_command(word, help));
 }
 
 /// The parser of the library, filled from the table, and where its values go.

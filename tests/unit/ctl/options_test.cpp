@@ -113,6 +113,13 @@ TEST(Options, NameTheNearestCommand) {
   EXPECT_EQ(refused({"swap", "a", "b"}).fault.hint, "did you mean 'swap-core'?");
 }
 
+TEST(Options, NameTheCommandsThatAWordBeginsAndThoseThatOnlyLook) {
+  EXPECT_EQ(refused({"stat"}).fault.hint, "did you mean 'status' or 'stats'?");
+  EXPECT_EQ(refused({"sto", "a"}).fault.hint, "did you mean 'stop'?");
+  EXPECT_EQ(refused({"re"}).fault.hint, "did you mean 'record' or 'reload'?")
+      << "reload changes things";
+}
+
 TEST(Options, NameTheNearestOption) {
   EXPECT_EQ(refused({"status", "--jsn"}).fault.hint, "did you mean '--json'?");
   EXPECT_EQ(refused({"swap-core", "a", "b", "--inplace"}).fault.hint, "did you mean '--in-place'?");
