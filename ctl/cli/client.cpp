@@ -30,7 +30,16 @@ using protocol::wrong_use;
 constexpr std::size_t kLongestAnswer = 64 * 1024 * 1024;
 constexpr std::size_t kLongestPath = sizeof(sockaddr_un::sun_path) - 1;
 
+bool is_no_socket(const std::string& path) {
+  struct stat its {};
+  return stat(path.c_str(), &its) == 0 && !S_ISSOCK(its.st_mode);
+}
+
 Fault cannot_connect(const std::string& path, const error_code& error) {
+  if (is_no_socket(path)) {
+    return fault_of(protocol::kUnreachable, path + " is no socket, so no mauved answers there",
+                    path, how_to_reach(path));
+  }
   if (error == asio::error::no_permission || error == asio::error::access_denied) {
     return fault_of(refuse({Errc::not_permitted, "socket_not_permitted"}, path,
                            "not permitted to open the socket of mauved",
@@ -57,7 +66,7 @@ std::string how_to_be_permitted(const std::string& path) {
   struct stat its {};
   const bool found_it = stat(path.c_str(), &its) == 0;
   if (!found_it || (its.st_gid != getegid() && group_member(its.st_gid) == 0)) {
-    return "ask to be added to the group 'mauve', then log in again";
+    return "ask to be added to a group, then log in again: 'mauve-view' to look, 'mauve' to change";
   }
   const group* found = getgrgid(its.st_gid);
   return "this user is in the group '" +

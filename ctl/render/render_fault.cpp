@@ -15,6 +15,8 @@ std::string state_in_words(const Fault& fault) {
   if (fault.state == "safe") return "safe, outputs have their safe values";
   if (generation.empty()) return harmless(fault.state);
   if (fault.state == "rolled_back") return "rolled back (" + generation + " runs again)";
+  const bool asked = fault.code != protocol::kUnreachable && fault.id != "socket_not_permitted";
+  if (!asked && fault.state == "unchanged") return "not known; mauvectl changed nothing";
   return harmless(fault.state) + " (" + generation + " still running)";
 }
 

@@ -125,7 +125,19 @@ TEST(Client, NamesTheAccessListToAUserInTheGroupOfTheSocket) {
   const std::string path = place.write("mauved.sock", "").string();
 
   EXPECT_THAT(how_to_be_permitted(path), testing::HasSubstr("getfacl " + path));
-  EXPECT_THAT(how_to_be_permitted(place / "no.sock"), testing::HasSubstr("group 'mauve'"));
+  EXPECT_THAT(how_to_be_permitted(place / "no.sock"),
+              testing::HasSubstr("'mauve-view' to look, 'mauve' to change"));
+}
+
+TEST(Client, SaysThatAFileIsNoSocket) {
+  const test::TempDir place;
+  const std::string path = place.write("passwd", "").string();
+
+  const auto fault = Client(path, kPatient).connect();
+
+  ASSERT_TRUE(fault);
+  EXPECT_EQ(fault->name, "unreachable");
+  EXPECT_EQ(fault->message, path + " is no socket, so no mauved answers there");
 }
 
 TEST(Client, SaysThatNobodyListens) {

@@ -39,6 +39,27 @@ TEST(RenderFault, SaysWhatTheRobotIsInNow) {
   EXPECT_NE(render_fault("", fault, {}).find("unknown"), std::string::npos);
 }
 
+TEST(RenderFault, KnowsNoStateOfAMauvedThatDoesNotAnswer) {
+  const Fault away = protocol::fault_of(protocol::kUnreachable, "there is no socket", "a.sock");
+  EXPECT_THAT(render_fault("set", away, {}),
+              testing::HasSubstr("  state  : not known; mauvectl changed nothing\n"));
+}
+
+TEST(RenderFault, BeginsASentenceWithoutASubjectWithTheThingThatItIsAbout) {
+  const auto first_line = [](const char* command, const char* where, const char* message) {
+    const std::string text =
+        render_fault(command, protocol::fault_of(refuse(Errc::conflict, where, message)), {});
+    return text.substr(0, text.find('\n'));
+  };
+  EXPECT_EQ(first_line("set", "arm", "did not end its job within 2 s"),
+            "error: set: arm did not end its job within 2 s");
+  EXPECT_EQ(first_line("load arm", "arm", "is loaded already"),
+            "error: load: arm is loaded already");
+  EXPECT_EQ(first_line("set a.core.x", "a.core.x", "expected a number"),
+            "error: set a.core.x: expected a number");
+  EXPECT_EQ(first_line("status", "", "is locked"), "error: status: is locked");
+}
+
 TEST(RenderFault, LetsNoServerSteerTheTerminal) {
   const Fault fault = protocol::fault_of(refuse(Errc::system, "", "\033[2Jgone\nerror: x"));
 
