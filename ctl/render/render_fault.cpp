@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
+#include <algorithm>
 #include <string>
+#include <string_view>
 
 #include "render/render.h"
 #include "render/table.h"
@@ -13,18 +15,35 @@ std::string state_in_words(const Fault& fault) {
       fault.generation ? "generation " + std::to_string(*fault.generation) : std::string{};
   if (fault.state == "unknown") return "unknown, the change may still be carried out";
   if (fault.state == "safe") return "safe, outputs have their safe values";
-  if (generation.empty()) return harmless(fault.state);
-  if (fault.state == "rolled_back") return "rolled back (" + generation + " runs again)";
   const bool asked = fault.code != protocol::kUnreachable && fault.id != "socket_not_permitted";
   if (!asked && fault.state == "unchanged") return "not known; mauvectl changed nothing";
+  if (generation.empty()) return harmless(fault.state);
+  if (fault.state == "rolled_back") return "rolled back (" + generation + " runs again)";
   return harmless(fault.state) + " (" + generation + " still running)";
+}
+
+/// Most messages are about the thing at `where`, and begin with their verb.
+bool lacks_subject(std::string_view message) {
+  constexpr std::string_view kVerbs[] = {"is ",    "has ",       "had ",         "was ",
+                                         "did ",   "does ",      "may ",         "must ",
+                                         "needs ", "cannot be ", "cannot have ", "declares "};
+  return std::ranges::any_of(kVerbs, [&](auto verb) { return message.starts_with(verb); });
+}
+
+/// "set arm.gain: expected a number"; "set: arm did not end its job".
+std::string sentence_of(std::string_view command, const Fault& fault) {
+  std::string subject;
+  if (!fault.where.empty() && lacks_subject(fault.message)) {
+    subject = fault.where + " ";
+    command = command.substr(0, command.find(' '));
+  }
+  return (command.empty() ? "" : std::string(command) + ": ") + harmless(subject + fault.message);
 }
 
 }  // namespace
 
 std::string render_fault(std::string_view command, const Fault& fault, Look look) {
-  const std::string message =
-      (command.empty() ? "" : std::string(command) + ": ") + harmless(fault.message);
+  const std::string message = sentence_of(command, fault);
   const auto part = [&](const char* name, const std::string& content) {
     return content.empty() ? "" : wrapped(name + content, look.width, 11) + "\n";
   };

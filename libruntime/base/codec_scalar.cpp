@@ -38,7 +38,7 @@ std::string fields_in_words(std::string_view type, std::span<const std::string_v
 
 Error no_field(const std::string& name, std::string_view type,
                std::span<const std::string_view> fields) {
-  return refuse({Errc::unknown_name, "unknown_field"}, name, "no field of " + std::string(type),
+  return refuse({Errc::unknown_name, "unknown_field"}, name, "is no field of " + std::string(type),
                 fields_in_words(type, fields));
 }
 
