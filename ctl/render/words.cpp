@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cstdio>
 
+#include "base/number_list.h"
 #include "protocol/in_words.h"
 #include "render/table.h"
 
@@ -194,11 +195,11 @@ std::string changes_in_words(const Json& one) {
   std::string names;
   for (const Json& name : list_in(one, "components")) join(names, compact(name));
   if (!names.empty()) names = " (" + names + ")";
-  const Json& all = list_in(one, "generations");
-  if (all.empty()) return "a change" + names;
-  const std::string last = compact(all.back());
-  if (all.size() == 1) return "generation " + last + names;
-  return "generations " + compact(all.front()) + " to " + last + names;
+  std::vector<std::uint64_t> all;
+  for (const Json& number : list_in(one, "generations")) {
+    if (number.is_number_integer()) all.push_back(number.get<std::uint64_t>());
+  }
+  return (all.empty() ? "a change" : generations_in_words(all)) + names;
 }
 
 std::string kernel_in_words(const Json& kernel) {

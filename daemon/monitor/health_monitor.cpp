@@ -10,6 +10,7 @@
 
 #include "base/duration.h"
 #include "base/mutex.h"
+#include "base/number_list.h"
 #include "base/thread_role.h"
 #include "commands/audit.h"
 #include "commands/change/change.h"
@@ -56,12 +57,10 @@ std::string cause_of(const Outcome& outcome) {
   return (outcome.component.empty() ? "" : outcome.component + " ") + outcome.reason;
 }
 
-/// "generation 3", "generations 3 to 7".
+/// "generation 3", "generations 3 to 7", "generations 3 and 5".
 std::string generations_of(const Outcome& outcome) {
-  const auto last = outcome.changes.empty() ? outcome.began : outcome.changes.back();
-  return last == outcome.began
-             ? "generation " + std::to_string(last)
-             : "generations " + std::to_string(outcome.began) + " to " + std::to_string(last);
+  return outcome.changes.empty() ? "generation " + std::to_string(outcome.began)
+                                 : generations_in_words(outcome.changes);
 }
 
 }  // namespace

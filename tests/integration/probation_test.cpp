@@ -120,6 +120,20 @@ TEST(Probation, UndoShowsWhatItRollsBackBeforeAndAfter) {
   EXPECT_EQ(daemon.ask("change.undo", {{"dry_run", true}})["data"]["name"], "wrong_state");
 }
 
+TEST(Probation, UndoLeavesTheRollbackOfAnotherComponentInForceAndDoesNotNameIt) {
+  TrialDaemon daemon;
+  const auto set = [&](double gain) {
+    return daemon.ask("param.set", {{"values", {{"second.core.gain", gain}}}})["generation"];
+  };
+  ASSERT_EQ(set(2.0), 2);
+  ASSERT_EQ(daemon.ask("core.swap", swap_to("trial/throwing_job"))["generation"], 3);
+  ASSERT_TRUE(eventually([&] { return daemon.ask("status.get")["generation"] == 4; }));
+  ASSERT_EQ(set(3.0), 5);
+
+  EXPECT_THAT(daemon.ctl({"undo"}).out, HasSubstr("took back generations 2 and 5 (second)"));
+  EXPECT_TRUE(runs(daemon, "trial/steady")) << "the rollback stays";
+}
+
 TEST(Probation, ConfirmListsAllThatItConfirms) {
   TrialDaemon daemon;
   ASSERT_EQ(daemon.ask("core.swap", swap_to("trial/other"))["state"], "applied");
@@ -189,7 +203,7 @@ TEST(Probation, IsJoinedByANewerChangeOfTheSameComponentAndBothGoBack) {
   const auto joined = daemon.ask("core.swap", swap_to("trial/throwing_job"));
 
   ASSERT_TRUE(joined.contains("notes")) << joined;
-  EXPECT_THAT(joined["notes"][0].get<std::string>(), HasSubstr("back to generation 1"));
+  EXPECT_THAT(joined["notes"][0].get<std::string>(), HasSubstr("back to before generation 2"));
   EXPECT_TRUE(eventually([&] { return daemon.component("first")["core"] == "trial/steady"; }));
   EXPECT_EQ(daemon.component("first")["state"], "running");
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/recovery/inherit.h"
 
+#include "base/number_list.h"
 #include "base/thread_role.h"
 
 #include <algorithm>
@@ -151,12 +152,6 @@ std::string in_words(const std::vector<std::string>& names) {
   return words;
 }
 
-std::string in_words(const std::vector<std::uint64_t>& changes) {
-  const std::string last = std::to_string(changes.back());
-  return changes.size() == 1 ? "generation " + last
-                             : "generations " + std::to_string(changes.front()) + " to " + last;
-}
-
 }  // namespace
 
 bool concerns(const System& system, const Content& change, const Content& before) {
@@ -298,19 +293,19 @@ std::vector<std::string> notes_of(const System& system, const Content& change) {
     if (one->reported() || !concerns(system, change, one->content())) continue;
     const OpenProbation open = one->look();
     const std::string names = in_words(open.components);
-    const std::string first = std::to_string(open.changes.front() - 1);
+    const std::string first = std::to_string(open.changes.front());
     if (can_join(change, one->content())) {
       const bool several = open.changes.size() > 1;
-      notes.push_back(in_words(open.changes) + " (" + names + ")" +
+      notes.push_back(generations_in_words(open.changes) + " (" + names + ")" +
                       (several ? " are still on probation, and this change joins them: `undo` or a "
                                  "failure takes back all of them together"
                                : " is still on probation, and this change joins it: `undo` or a "
                                  "failure takes back both together") +
-                      ", back to generation " + first +
+                      ", back to before generation " + first +
                       "; `mauvectl confirm` before a change keeps " +
                       (several ? "the older ones" : "the older one"));
     } else {
-      notes.push_back("the probation of " + in_words(open.changes) + " (" + names +
+      notes.push_back("the probation of " + generations_in_words(open.changes) + " (" + names +
                       ") ends early: a failure rolls back to before this change only");
     }
   }
