@@ -160,7 +160,7 @@ Status Daemon::load() {
   }
   if (architecture_ == nullptr) {
     return refuse({Errc::invalid_value, "file_has_errors"}, origin_.file,
-                  arch::summary(problems.sorted()), "mauved --check shows all");
+                  arch::summary(problems.sorted()), notify::how_to_see_all());
   }
   supervisor_.adopt(std::move(supervision));
   for (const auto* loaded : catalog_.plugins()) {

@@ -4,6 +4,7 @@
 #include <systemd/sd-daemon.h>
 
 #include <cstdint>
+#include <cstdlib>
 
 namespace mauve::daemon::notify {
 
@@ -26,6 +27,11 @@ void send(const std::string& state) { sd_notify(0, state.c_str()); }
 void ready(const std::string& status) { send("READY=1\nSTATUS=" + one_line(status)); }
 
 void status(const std::string& status) { send("STATUS=" + one_line(status)); }
+
+std::string how_to_see_all() {
+  return std::getenv("NOTIFY_SOCKET") != nullptr ? "journalctl -u mauved shows all"
+                                                 : "mauved --check shows all";
+}
 
 std::chrono::microseconds watchdog() {
   std::uint64_t time = 0;

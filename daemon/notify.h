@@ -13,6 +13,9 @@ void status(const std::string& status);
 /// The time in which the service manager wants to hear alive() again; zero: it does not ask.
 [[nodiscard]] std::chrono::microseconds watchdog();
 void alive();
+/// The command that shows all reasons of a refused start. A check by hand lacks the options that
+/// the unit gives.
+[[nodiscard]] std::string how_to_see_all();
 /// The orderly end has begun.
 void stopping(const std::string& status);
 /// Start or stop take longer than the unit allows: this much more, from now.

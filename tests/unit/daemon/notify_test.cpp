@@ -34,6 +34,15 @@ TEST(Notify, AsksForMoreTime) {
   EXPECT_EQ(manager.next(), "EXTEND_TIMEOUT_USEC=2000000");
 }
 
+TEST(Notify, ARefusedStartOfAServicePointsToItsLog) {
+  {
+    const NotifySocket manager;
+    EXPECT_EQ(notify::how_to_see_all(), "journalctl -u mauved shows all");
+  }
+  unsetenv("NOTIFY_SOCKET");
+  EXPECT_EQ(notify::how_to_see_all(), "mauved --check shows all");
+}
+
 TEST(Notify, DoesNothingWithoutAServiceManager) {
   unsetenv("NOTIFY_SOCKET");
 
