@@ -137,6 +137,9 @@ std::string render_receipt(std::string_view done, const Json& receipt, Look look
   if (!components.empty()) {
     text += components.size() > 1 ? ": longest pause " : ": pause ";
     text += nanoseconds_in_words(pause) + ", " + counted(missed, "release") + " missed";
+    if (member(receipt, "ordinary_threads") == true) {
+      text += " meanwhile, on ordinary threads that the machine delays too: mauvectl doctor";
+    }
   }
   text += kept_states(receipt);
   const auto attempts = whole_number(receipt, "attempts");

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/say.h"
 
+#include <algorithm>
+
 #include "base/thread_role.h"
 
 #include "exec/system/prepared.h"
@@ -42,6 +44,15 @@ void say_same_build(const std::vector<arch::Line>& lines, Json& result) {
 void say_sync(std::optional<Result<PreparedChange>>& prepared, Json& result) {
   if (prepared && *prepared && (*prepared)->content().barrier) {
     result["sync"] = "barrier";
+  }
+}
+
+void say_missed(bool realtime, Json& result) {
+  const auto& members = result["components"];
+  const bool missed = std::any_of(members.begin(), members.end(),
+                                  [](const Json& one) { return one.value("missed", 0) > 0; });
+  if (missed && !realtime) {
+    result["ordinary_threads"] = true;
   }
 }
 

@@ -28,6 +28,10 @@ void say_same_build(const std::vector<arch::Line>& lines, Json& result);
 /// [any] Whether all members wait for each other, as it was prepared.
 void say_sync(std::optional<Result<PreparedChange>>& prepared, Json& result);
 
+/// [any] Whether components on ordinary threads missed releases during the change: the machine may
+/// be the cause.
+void say_missed(bool realtime, Json& result);
+
 /// [control] The changed components that do not run, and will not by themselves. To be reported,
 /// since the rest of the receipt reads as if all was well.
 void say_who_stands(Running& running, const Change& change, Json& result);

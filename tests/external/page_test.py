@@ -33,7 +33,7 @@ SET_MAUVE = re.compile(r"^export MAUVE=(\S+)\n", re.M)
 BLOCK = re.compile(r"^(?:(Write this into|Change|The file) `([^`\n]+)`(?: contains)?:\n)?```(\w*)[^\n]*\n(.*?)^```", re.M | re.S)
 EARLIER = re.compile(r"\bBegin\s+with\s+the\s+files\s+of\s+\[[^\]]*\]\(([^)]+)\)")
 ATTEMPTS = re.compile(r", \d+ attempts")
-VARIES = re.compile(r"(?<![\w.])\d+(\.\d+)? ?(ns|us|ms|s|sec)\b|\d+ releases? missed")
+VARIES = re.compile(r"(?<![\w.])\d+(\.\d+)? ?(ns|us|ms|s|sec)\b|\d+ releases? missed(?: meanwhile, on ordinary threads that the machine delays too: mauvectl doctor)?")
 MARK = "\x01"
 CHANGE_FILE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "change_file.py")
 

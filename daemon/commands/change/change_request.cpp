@@ -102,6 +102,7 @@ void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
   auto result = to_json(*receipt);
   say_sync(request.prepared, result);
   say_who_stands(running, request.change, result);
+  say_missed(running.deployer.realtime(), result);
   say_kept(running, request.change, result);
   if (request.change.probation) {
     result["probation"] = to_json(*request.change.probation);

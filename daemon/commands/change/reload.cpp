@@ -136,6 +136,7 @@ Json result_of(Running& running, Reload& reload) {
   auto result = reload.receipt ? to_json(*reload.receipt) : to_json(Receipt{});
   say_sync(reload.prepared, result);
   say_who_stands(running, reload.change, result);
+  say_missed(running.deployer.realtime(), result);
   say_lines(reload.lines, result);
   say_same_build(reload.lines, result);
   if (reload.receipt && reload.change.probation) {

@@ -18,6 +18,14 @@ TEST(RenderReceipt, SaysHowLongTheProbationIs) {
             "swapped control (generation 2, on probation for 100 jobs)\n");
 }
 
+TEST(RenderReceipt, DoesNotBlameTheChangeForReleasesThatOrdinaryThreadsMissed) {
+  EXPECT_EQ(render_receipt("set a.core.x", Json::parse(R"({"generation":2,"changed":true,
+    "components":[{"name":"a","pause_ns":38,"missed":43,"bytes":0}],"ordinary_threads":true})"),
+                           {}),
+            "set a.core.x: pause 38 ns, 43 releases missed meanwhile, on ordinary threads that the "
+            "machine delays too: mauvectl doctor (generation 2)\n");
+}
+
 TEST(RenderReceipt, SaysHowManyRulesAreHeld) {
   EXPECT_EQ(render_receipt("locked all", Json::parse(R"({"generation":2,"changed":true,
     "rules_held":2})"),

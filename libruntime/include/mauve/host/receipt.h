@@ -16,7 +16,7 @@ namespace mauve {
 struct MemberReceipt {
   std::string name;          ///< of the component or resource
   Duration pause{0};         ///< measured on its thread: its next job begins at most so much later
-  std::uint64_t missed = 0;  ///< releases lost between the instant and its first job after it
+  std::uint64_t missed = 0;  ///< releases lost while the change was made, for any cause
   std::size_t bytes = 0;     ///< size of the state handed over
   /// The types of the states that were dropped, "a and b", and the size of their objects.
   std::string dropped = {};
