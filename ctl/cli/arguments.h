@@ -101,7 +101,7 @@ inline constexpr Argument kStop[] = {any("COMPONENT", "names of components", Kin
 inline constexpr Argument kSwap[] = {
     kComponent,
     one("CORE", "such as guidance/finite_time", Kind::core),
-    any("--set", "KEY=VALUE of a property of the new core", Kind::setting),
+    any("--set", "NAME=VALUE of a property of the new core", Kind::setting),
     maybe("--budget", "processor time that a job of it may use, such as 2ms", Kind::duration),
     flag("--defaults", "the new core begins with its own values, not with those in force"),
     flag("--in-place",

@@ -85,10 +85,10 @@ std::string Argument::placeholder() const {
     std::string_view option;
     std::string_view placeholder;
   };
-  constexpr Named kNamed[] = {{"--set", "KEY=VALUE"}, {"--probation", "JOBS|off"},
-                              {"--misses", "M/K"},    {"--since", "TIME"},
-                              {"--grep", "TEXT"},     {"--reason", "TEXT"},
-                              {"--socket", "PATH"},   {"--if-generation", "GENERATION"}};
+  constexpr Named kNamed[] = {{"--set", "NAME=VALUE"}, {"--probation", "JOBS|off"},
+                              {"--misses", "M/K"},     {"--since", "TIME"},
+                              {"--grep", "TEXT"},      {"--reason", "TEXT"},
+                              {"--socket", "PATH"},    {"--if-generation", "GENERATION"}};
   const auto named = std::ranges::find(kNamed, name, &Named::option);
   if (named != std::end(kNamed)) return std::string(named->placeholder);
   if (!choices.empty()) {

@@ -46,9 +46,13 @@ constexpr ExitCode kExitCodes[] = {
 
 using Values = std::map<std::string_view, std::vector<std::string>>;
 
+// The library takes no '=' in the name of an argument.
+constexpr std::string_view kAddressValue = "ADDRESS=VALUE";
+constexpr std::string_view kAssignment = "ASSIGNMENT";
+
 std::string cli_name(const Argument& argument) {
   if (argument.is_option()) return std::string(argument.name);
-  return argument.name == "ADDRESS=VALUE" ? "ASSIGNMENT" : std::string(argument.name);
+  return std::string(argument.name == kAddressValue ? kAssignment : argument.name);
 }
 
 void add_argument(CLI::App& app, const Argument& argument, Values& values) {
@@ -85,10 +89,6 @@ std::vector<std::string> option_names(const Command* command) {
   return names;
 }
 
-Fault unexpected(const std::string& word, const Command* command) {
-  const std::string help =
-      "mauvectl " + (command != nullptr ? std::string(command->name) + " " : "") + "--help";
-  if (word.starts_with('-')) {
 /// "'status' or 'stats'": the commands that `word` begins, first those that change nothing; empty
 /// when there are more than four.
 std::string commands_begun_by(std::string_view word) {
@@ -117,6 +117,10 @@ std::string near_command(std::string_view word, const std::string& help) {
   return near(word, names, help);
 }
 
+Fault unexpected(const std::string& word, const Command* command) {
+  const std::string help =
+      "mauvectl " + (command != nullptr ? std::string(command->name) + " " : "") + "--help";
+  if (word.starts_with('-')) {
     return wrong_use("usage_unknown_option", "unknown option '" + word + "'", {},
                      near(word, option_names(command), help));
   }
@@ -275,7 +279,11 @@ std::variant<Invocation, Text, Misuse> parse_options(const std::vector<std::stri
   } catch (const CLI::ParseError& error) {
     const bool json = std::find(words.begin(), words.end(), "--json") != words.end();
     const Command* command = parser.chosen();
-    return Misuse{wrong_use("usage_missing_argument", error.what(), {},
+    std::string message = error.what();
+    if (const auto at = message.find(kAssignment); at != std::string::npos) {
+      message.replace(at, kAssignment.size(), kAddressValue);
+    }
+    return Misuse{wrong_use("usage_missing_argument", std::move(message), {},
                             command != nullptr ? "example: " + std::string(command->example)
                                                : "mauvectl --help"),
                   json};

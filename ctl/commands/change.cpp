@@ -39,13 +39,15 @@ std::string listed(const std::vector<std::string>& names) {
 }
 
 /// "gain=0.3" to {"gain": 0.3}; a value that is not JSON is a text.
-std::variant<Json, Fault> assignments(const std::vector<std::string>& given) {
+std::variant<Json, Fault> assignments(const std::vector<std::string>& given,
+                                      const std::string& form) {
   Json values = Json::object();
   for (const auto& one : given) {
     const auto equals = one.find('=');
     if (equals == std::string::npos || equals == 0) {
-      return wrong_use("usage_not_an_assignment", "'" + one + "' is not NAME=VALUE", {},
-                       "example: control.core.gain=0.3");
+      return wrong_use(
+          "usage_not_an_assignment", "'" + one + "' is not " + form, {},
+          form == "ADDRESS=VALUE" ? "example: control.core.gain=0.3" : "example: --set gain=0.3");
     }
     const std::string name = one.substr(0, equals);
     if (values.contains(name)) {
@@ -84,7 +86,7 @@ void add_options(const Session& session, Json& params) {
 }
 
 int run_set(Session& session) {
-  auto values = assignments(session.arguments.all("ADDRESS=VALUE"));
+  auto values = assignments(session.arguments.all("ADDRESS=VALUE"), "ADDRESS=VALUE");
   if (const auto* fault = std::get_if<Fault>(&values)) return session.fail(*fault);
   std::vector<std::string> names;
   for (const auto& [name, value] : std::get<Json>(values).items()) names.push_back(name);
@@ -136,7 +138,7 @@ int run_stop(Session& session) {
 
 int run_swap_core(Session& session) {
   const std::string component = session.arguments.one("COMPONENT");
-  auto values = assignments(session.arguments.all("--set"));
+  auto values = assignments(session.arguments.all("--set"), "NAME=VALUE");
   if (const auto* fault = std::get_if<Fault>(&values)) return session.fail(*fault);
   Json params = {{"component", component}, {"core", session.arguments.one("CORE")}};
   if (session.arguments.has("--set")) params["set"] = std::move(std::get<Json>(values));

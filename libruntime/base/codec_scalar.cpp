@@ -2,12 +2,38 @@
 #include <mauve/detail/codec_scalar.h>
 
 #include <limits>
+#include <optional>
 
 namespace mauve::detail {
 
+namespace {
+
+/// The addition about a text that was meant as a structure or an array.
+std::string_view about_text(const Value& value) {
+  const auto* text = value.get_if<std::string>();
+  const bool composed = text != nullptr && (text->starts_with('{') || text->starts_with('['));
+  return composed ? ", which is no JSON: names and texts need double quotes" : "";
+}
+
+/// An integer that no integer type holds arrives as a number.
+std::optional<Error> beyond_integers(const Value& value) {
+  const auto* number = value.get_if<double>();
+  if (number == nullptr) return std::nullopt;
+  const bool above = *number >= 0x1p64;
+  if (!above && !(*number < -0x1p63)) return std::nullopt;
+  return refuse({Errc::invalid_value, "value_out_of_range"}, {},
+                above ? "is above 18446744073709551615" : "is below -9223372036854775808");
+}
+
+}  // namespace
+
 Error wrong_kind(std::string_view wanted, const Value& value) {
+  if (wanted == "an integer") {
+    if (auto beyond = beyond_integers(value)) return *std::move(beyond);
+  }
   return refuse({Errc::invalid_value, "value_wrong_kind"}, {},
-                "expected " + std::string(wanted) + ", got " + to_string(value));
+                "expected " + std::string(wanted) + ", got " + to_string(value) +
+                    std::string(about_text(value)));
 }
 
 Status inside(Status done, const std::string& part) {

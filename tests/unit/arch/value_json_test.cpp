@@ -56,6 +56,16 @@ Value random_value(std::mt19937_64& random, int depth) {
   }
 }
 
+TEST(ValueJson, ANumberAboveAllIntegersIsOutOfRangeAndAFractionIsNoInteger) {
+  std::uint64_t serial = 0;
+  EXPECT_EQ(Codec<std::uint64_t>::decode(read_back("18446744073709551616"), serial).error().message,
+            "is above 18446744073709551615");
+  EXPECT_EQ(Codec<std::uint64_t>::decode(read_back("-1e19"), serial).error().message,
+            "is below -9223372036854775808");
+  EXPECT_EQ(Codec<std::uint64_t>::decode(read_back("1.5"), serial).error().message,
+            "expected an integer, got 1.5");
+}
+
 TEST(ValueJson, KeepsTheOrderOfMembersInText) {
   EXPECT_EQ(read_back(to_json_text(kSample)), kSample);
 }

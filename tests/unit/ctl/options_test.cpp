@@ -172,7 +172,7 @@ TEST(Help, OfOneCommandNamesItsArgumentsWithUnits) {
             0U)
       << text;
   EXPECT_NE(text.find("\n  --budget DURATION"), std::string::npos) << text;
-  EXPECT_NE(text.find("\n  --set KEY=VALUE"), std::string::npos) << text;
+  EXPECT_NE(text.find("\n  --set NAME=VALUE"), std::string::npos) << text;
   EXPECT_NE(help_text(*find_command("apply"), 80).find("--sync cut|barrier"), std::string::npos);
   EXPECT_NE(help_text(*find_command("plot"), 80).find("-o, --output FILE"), std::string::npos);
 }

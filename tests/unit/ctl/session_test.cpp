@@ -118,6 +118,10 @@ TEST(Set, RefusesWhatIsNoAssignmentWithoutAsking) {
   const Outcome outcome = run("/nowhere", {"set", "a.x"});
 
   EXPECT_EQ(outcome.exit, 2);
+  EXPECT_THAT(outcome.err, testing::HasSubstr("'a.x' is not ADDRESS=VALUE"));
+  EXPECT_THAT(run("/nowhere", {"swap-core", "a", "b/c", "--set", "x"}).err,
+              testing::HasSubstr("'x' is not NAME=VALUE"));
+  EXPECT_THAT(run("/nowhere", {"set"}).err, testing::HasSubstr("ADDRESS=VALUE is required"));
   EXPECT_EQ(run("/nowhere", {"set", "a.x=1", "a.x=2"}).exit, 2);
 }
 

@@ -139,6 +139,9 @@ TEST(Property, RefusesWrongTypeAndOutOfRangeWithItsAddress) {
   ASSERT_FALSE(text);
   EXPECT_EQ(text.error().message, "expected a number, got \"fast\"");
   EXPECT_EQ(text.error().at, "control.core.step");
+  EXPECT_EQ(
+      step->set("{x:1}").error().message,
+      "expected a number, got \"{x:1}\", which is no JSON: names and texts need double quotes");
   ASSERT_FALSE(low);
   EXPECT_EQ(low.error().message, "-1 is below the minimum 0 m");
   EXPECT_EQ(step->value(), Value(1.0)) << "a refused value changes nothing";
