@@ -152,10 +152,12 @@ Status check_same_members(const CoreBase& old, const CoreBase& now, const Contra
 Status check_contract(const std::string& at, const CoreType& core, const FsmType& fsm,
                       const ShellType& shell) {
   if (core.contract.name != fsm.contract.name) {
-    return refuse({Errc::type_mismatch, "core_other_contract"}, at,
-                  "core " + core.name + " fulfils contract " + core.contract.name +
-                      ", but state machine " + fsm.name + " calls " + fsm.contract.name,
-                  "choose a core of contract " + fsm.contract.name);
+    return refuse(
+        {Errc::type_mismatch, "core_other_contract"}, at,
+        "core " + core.name + " fulfils contract " + core.contract.name + ", but state machine " +
+            fsm.name + " calls " + fsm.contract.name,
+        "choose a core of contract " + fsm.contract.name +
+            ", or write `using Contract = BASE;` into BASE, the base class of both cores");
   }
   return check_same_headers(at, core, fsm, shell);
 }

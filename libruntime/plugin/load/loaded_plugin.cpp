@@ -115,8 +115,8 @@ Status LoadedPlugin::check_component(const ComponentType& component) const {
         {Errc::type_mismatch, "plugin_other_contract"}, component.name,
         "its default core " + component.default_core + " has contract " +
             core->second.contract.name + ", its state machine calls " + component.fsm.contract.name,
-        "let the core inherit `using Contract = ...;` from the class that the state machine "
-        "calls (mauve/core.h)");
+        "write `using Contract = BASE;` into BASE, the class that the state machine calls and the "
+        "core derives from (mauve/core.h)");
   }
   return ok();
 }
