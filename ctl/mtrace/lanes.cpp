@@ -34,6 +34,7 @@ class Assembly {
         return;
       case Event::lost:
         close_all(record.time);
+        announced_ = false;
         break;
       case Event::fault:
         if (in_job_) lane_.jobs.back().failed = true;
@@ -41,6 +42,12 @@ class Assembly {
         break;
       case Event::overrun:
         if (!lane_.jobs.empty()) lane_.jobs.back().late = record.a;
+        break;
+      case Event::missed:
+        if (std::exchange(announced_, false)) lane_.jobs.back().missed = record.a;
+        break;
+      case Event::started:
+        announced_ = false;  // the releases count from another one
         break;
       default:
         break;
@@ -67,6 +74,7 @@ class Assembly {
     job.from = job.to = record.time;
     job.change = record.b;
     in_job_ = true;
+    announced_ = false;
   }
   void open_state(const Record& record) {
     close_state(record.time, false);
@@ -86,6 +94,7 @@ class Assembly {
     job.next = record.a;
     job.preempted = record.b != 0;
     job.whole = true;
+    announced_ = true;
   }
   /// Locks may be left in another order than they were acquired.
   void close_hold(const Record& record) {
@@ -100,6 +109,7 @@ class Assembly {
   Lane& lane_;
   std::vector<Span> held_;
   bool in_job_ = false;
+  bool announced_ = false;  // the last job named the next release, from which on some are missed
   bool in_state_ = false;
 };
 

@@ -23,6 +23,7 @@ struct Job {
   std::int64_t next = 0;    ///< the release that its end announced; of a whole job
   std::int64_t change = 0;  ///< the last one that was applied
   std::int64_t late = 0;    ///< after its deadline; zero: it was in time
+  std::int64_t missed = 0;  ///< releases from `next` on, for which no job ran
   bool whole = false;       ///< it ended in a wait
   bool failed = false;
   bool preempted = false;

@@ -134,11 +134,13 @@ void RowPicture::draw_releases() {
     if (job.late > 0 && job.to >= scene_.from && job.from <= scene_.to && ++late <= kMostMarks) {
       draw_late(job);
     }
+    if (job.missed > 0) draw_missed(job);
   }
   // The release that waits behind the last job.
   if (all && !row_.lane->jobs.empty()) {
     const Job& last = row_.lane->jobs.back();
-    if (last.whole && page_.shows(last.next)) arrow(last.next, true, Sign::release, "release");
+    const bool waits = last.whole && last.missed == 0;
+    if (waits && page_.shows(last.next)) arrow(last.next, true, Sign::release, "release");
   }
 }
 
@@ -200,7 +202,7 @@ void RowPicture::draw_mark(const Record& mark) {
       wrong(mark.time, name.empty() ? "fault" : name);
       return page_.occurs(Sign::fault);
     case Event::missed:
-      return draw_missed(mark);
+      return wrong(mark.time, std::to_string(mark.a) + " missed");
     case Event::user:
       page_.svg.circle({x, y - place_.height - 5}, 2.6, class_of("user"),
                        name + " = " + compact(protocol::Json(mark.value())) + at);
@@ -222,21 +224,14 @@ void RowPicture::draw_mark(const Record& mark) {
   }
 }
 
-/// Where nothing was released, because the job before took too long.
-void RowPicture::draw_missed(const Record& mark) {
-  const auto& jobs = row_.lane->jobs;
-  const auto behind =
-      std::upper_bound(jobs.begin(), jobs.end(), mark.time,
-                       [](std::int64_t time, const Job& job) { return time < job.from; });
-  if (behind != jobs.begin() && std::prev(behind)->whole) {
-    const Job& before = *std::prev(behind);
-    const std::int64_t wait = before.next - before.release;
-    for (std::int64_t i = 0; i < std::min(mark.a, kMostMissed); ++i) {
-      const std::int64_t release = before.next + i * wait;
-      if (wait > 0 && page_.shows(release)) arrow(release, true, Sign::missed, "missed release");
-    }
+/// The releases for which no job ran, because the job before took too long.
+void RowPicture::draw_missed(const Job& before) {
+  const std::int64_t wait = before.next - before.release;
+  for (std::int64_t i = 0; wait > 0 && i < std::min(before.missed, kMostMissed); ++i) {
+    const std::int64_t release = before.next + i * wait;
+    if (!page_.shows(release)) continue;
+    arrow(release, true, Sign::missed, "missed release for " + instant_in_words(release));
   }
-  wrong(mark.time, std::to_string(mark.a) + " missed");
 }
 
 /// Draws a failure in red above the boxes, where there is room.

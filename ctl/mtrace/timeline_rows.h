@@ -28,7 +28,7 @@ class RowPicture {
   void draw_late(const Job& job);
   void draw_marks();
   void draw_mark(const Record& mark);
-  void draw_missed(const Record& mark);
+  void draw_missed(const Job& before);
   void draw_stops();
   void arrow(std::int64_t time, bool up, Sign sign, std::string_view title);
   void wrong(std::int64_t time, std::string_view words);

@@ -132,6 +132,46 @@ TEST(Timeline, MarksWhatHappened) {
   EXPECT_THAT(svg, HasSubstr("prepared core.swap low in 2.0 ms"));
 }
 
+/// A trace in which the job for 10 ms ends at 60.1 ms, kept for the misses that follow.
+Trace made_late() {
+  Two two;
+  two.trace.records.clear();
+  two.job("high", 0, 0, 1 * kMilli, 10);
+  two.job("high", 10 * kMilli, 10 * kMilli, 60 * kMilli + 100'000, 10);
+  // The record and the next job have the same time.
+  two.add(60 * kMilli + 110'000, "high", Event::missed, "", 4, 4);
+  two.job("high", 60 * kMilli, 60 * kMilli + 110'000, 61 * kMilli, 10);
+  for (std::int64_t at = 70 * kMilli; at < 120 * kMilli; at += 10 * kMilli) {
+    two.job("high", at, at, at + kMilli, 10);
+  }
+  two.trace.header.why = "missed high";
+  return two.trace;
+}
+
+TEST(Timeline, DrawsMissedReleasesAtTheInstantsAtWhichNoJobRan) {
+  View all;
+  all.from = 0;
+  const std::string svg = draw_timeline(made_late(), all).svg;
+
+  EXPECT_EQ(count_in(svg, "<title>missed release for "), 4U);
+  for (const char* at : {"0.020", "0.030", "0.040", "0.050"}) {
+    EXPECT_THAT(svg, HasSubstr("missed release for T0 + " + std::string(at) + "000000 s"));
+    EXPECT_THAT(svg, Not(HasSubstr("release of high for T0 + " + std::string(at))));
+  }
+  EXPECT_THAT(svg, HasSubstr(">4 missed</text>"));
+}
+
+TEST(Timeline, DrawsNoMissedReleaseWhereAStartCameBetween) {
+  Two two;
+  two.add(40 * kMilli, "high", Event::stopped);
+  two.add(50 * kMilli, "high", Event::started, "", 60 * kMilli);
+  two.add(85 * kMilli, "high", Event::missed, "", 2, 2);
+  const std::string svg = draw_timeline(two.trace, {}).svg;
+
+  EXPECT_EQ(count_in(svg, "<title>missed release for "), 0U);
+  EXPECT_THAT(svg, HasSubstr(">2 missed</text>"));
+}
+
 TEST(Timeline, ShowsTheLastJobsOfTheMostFrequentComponentWhereNothingIsSaid) {
   const Trace trace = MadeTrace(3).make(4, 3000 * kMilli, 0, 50);
   const Timeline drawn = draw_timeline(trace, {});
