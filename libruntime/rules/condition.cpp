@@ -54,6 +54,13 @@ struct Against {
     return is_larger ? compared(std::strong_ordering::greater, compare)
                      : (*this)(static_cast<double>(operand));
   }
+  Truth operator()(std::uint64_t operand) const {
+    const auto* actual = value.get_if<std::uint64_t>();
+    if (actual != nullptr) return compared(*actual <=> operand, compare);
+    const bool is_smaller = value.get_if<std::int64_t>() != nullptr;  // than any std::uint64_t here
+    return is_smaller ? compared(std::strong_ordering::less, compare)
+                      : (*this)(static_cast<double>(operand));
+  }
   Truth operator()(double operand) const {
     const auto number = value.number();
     return number ? compared(*number <=> operand, compare) : Truth::unknown;
@@ -96,7 +103,8 @@ std::string_view to_string(Kind kind) {
 }
 
 Kind kind_of(const Operand& operand) {
-  constexpr Kind kKinds[] = {Kind::truth, Kind::number, Kind::number, Kind::duration, Kind::word};
+  constexpr Kind kKinds[] = {Kind::truth,  Kind::number,   Kind::number,
+                             Kind::number, Kind::duration, Kind::word};
   return kKinds[operand.index()];
 }
 

@@ -30,7 +30,9 @@ enum class Kind : std::uint8_t { truth, number, duration, word };
 /// "true or false", "a number", "a duration", "a word".
 [[nodiscard]] std::string_view to_string(Kind kind);
 
-using Operand = std::variant<bool, std::int64_t, double, Duration, std::string>;
+/// An integer is a std::uint64_t if it is above 2^63 - 1, and a std::int64_t otherwise. Two
+/// integers are compared exactly, an integer and a decimal number as doubles.
+using Operand = std::variant<bool, std::int64_t, std::uint64_t, double, Duration, std::string>;
 [[nodiscard]] Kind kind_of(const Operand& operand);
 
 /// `control.missed > 3`; an address alone means `== true`.

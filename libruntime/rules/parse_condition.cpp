@@ -180,6 +180,8 @@ class Parser {
   bool number(Operand& into) {
     if (const auto integer = all_of<std::int64_t>(next_.text)) {
       into = *integer;
+    } else if (const auto large = all_of<std::uint64_t>(next_.text)) {
+      into = *large;
     } else if (const auto real = all_of<double>(next_.text); real && std::isfinite(*real)) {
       into = *real;
     } else if (const auto duration = parse_duration(next_.text)) {

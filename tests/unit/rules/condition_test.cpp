@@ -45,6 +45,16 @@ TEST(Condition, ComparesIntegersThatNeedAll64Bits) {
   EXPECT_EQ(truth("a.n > 9223372036854775807", values), Truth::yes);
   EXPECT_EQ(truth("a.n == 9223372036854775807", values), Truth::no);
   EXPECT_EQ(truth("a.n >= 0.5", values), Truth::yes);
+  EXPECT_EQ(truth("a.n == 9223372036854775808", values), Truth::yes);
+  EXPECT_EQ(truth("a.n == 9223372036854775809", values), Truth::no);
+  EXPECT_EQ(truth("a.n != 9223372036854775809", values), Truth::yes);
+  EXPECT_EQ(truth("a.n < 9223372036854775809", values), Truth::yes);
+  EXPECT_EQ(truth("a.n >= 9223372036854775809", values), Truth::no);
+
+  const Known smaller{{"a.n", Value(std::int64_t{INT64_MAX})}, {"a.x", 0x1p64}};
+  EXPECT_EQ(truth("a.n < 9223372036854775808", smaller), Truth::yes);
+  EXPECT_EQ(truth("a.n == 9223372036854775808", smaller), Truth::no);
+  EXPECT_EQ(truth("a.x > 18446744073709551615", smaller), Truth::no) << "compared as doubles";
 }
 
 TEST(Condition, ComparesNumbersWithEveryOperator) {
