@@ -5,8 +5,15 @@
 #include <optional>
 
 namespace mauve::detail {
-
 namespace {
+
+/// A double that is a whole number has a fraction here, else a message would call it an integer.
+std::string shown(const Value& value) {
+  std::string text = to_string(value);
+  const bool is_double = value.get_if<double>() != nullptr;
+  if (is_double && text.find_first_not_of("-0123456789") == std::string::npos) text += ".0";
+  return text;
+}
 
 /// The addition about a text that was meant as a structure or an array.
 std::string_view about_text(const Value& value) {
@@ -32,7 +39,7 @@ Error wrong_kind(std::string_view wanted, const Value& value) {
     if (auto beyond = beyond_integers(value)) return *std::move(beyond);
   }
   return refuse({Errc::invalid_value, "value_wrong_kind"}, {},
-                "expected " + std::string(wanted) + ", got " + to_string(value) +
+                "expected " + std::string(wanted) + ", got " + shown(value) +
                     std::string(about_text(value)));
 }
 

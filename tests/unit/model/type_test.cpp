@@ -97,6 +97,9 @@ TEST(Type, KeepsEveryUnsignedIntegerOf64Bits) {
             "-1 is not from 0 to 18446744073709551615");
   EXPECT_EQ(data_type<std::int64_t>().from_value(largest, &with_sign).error().message,
             "18446744073709551615 is not from -9223372036854775808 to 9223372036854775807");
+  EXPECT_EQ(type.from_value(3.0, &whole).error().message, "expected an integer, got 3.0");
+  EXPECT_EQ(type.from_value(0x1p63, &whole).error().message,
+            "expected an integer, got 9223372036854775808.0");
   double real = 0;
   ASSERT_TRUE(data_type<double>().from_value(largest, &real));
   EXPECT_EQ(real, 0x1p64);
