@@ -35,6 +35,8 @@ void Commit::enter(std::size_t index) {
   if (another_attempt) return;
   PreparedMember& member = content_->members[index];
   entered_[index] = true;
+  // A member that follows runs the same bundle, and its thread has applied this change as well.
+  if (settled.in_force) deployed_[index]->shown = number_;
   if (member.part == Part::follows) {
     deployed_[index]->changing = false;
     return;
@@ -43,7 +45,6 @@ void Commit::enter(std::size_t index) {
   deployed_[index]->changing = settled.in_force && member.part == Part::leaves;
   if (!settled.in_force) return;
   ++system_.revision;
-  deployed_[index]->shown = number_;
   if (member.next != member.base) member.component->install(member.next);
   if (member.type) {
     ComponentType before = member.component->type();

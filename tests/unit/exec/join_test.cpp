@@ -5,6 +5,7 @@
 
 #include "support/outcomes.h"
 #include "support/ramp.h"
+#include "support/traced.h"
 
 namespace mauve {
 namespace {
@@ -145,6 +146,24 @@ TEST_F(Joining, ANewerChangeOfTheSameComponentRollsBackToWhatWasProvenLast) {
   EXPECT_EQ(ends[0].oldest_open, 0u);
   EXPECT_EQ(core("left"), before);
   EXPECT_EQ(core("right"), before);
+}
+
+/// check-trace judges a component by its header only if both have the same number.
+TEST_F(Joining, ATraceShowsTheNumberOfTheChangeThatEachMemberAppliedLast) {
+  set_trace_mode(TraceMode::jobs);
+  apply({to<ramp::Down>("left"), to<ramp::Down>("right")});
+  apply({step("left", 2)}, std::nullopt);  // right follows
+  const auto applied = test::of_kind(test::drain_trace(deployer), TraceKind::applied);
+  set_trace_mode(TraceMode::off);
+
+  for (const TracedComponent& one : deployer.traced().components) {
+    std::int64_t last = 0;
+    for (const TraceRecord& record : applied) {
+      if (trace_name(record.thread) == one.name) last = record.b;
+    }
+    EXPECT_GT(last, 0) << one.name;
+    EXPECT_EQ(static_cast<std::int64_t>(one.change), last) << one.name;
+  }
 }
 
 TEST_F(Joining, ASetOnABadCoreKeepsTheRollbackToTheGoodOne) {
