@@ -118,6 +118,34 @@ std::int64_t most_jobs_of_one(const Scene& scene) {
   return most;
 }
 
+/// The release of the last job of the lane that began before the time; the time if there is none.
+std::int64_t release_before(const Lane& lane, std::int64_t time) {
+  const auto behind =
+      std::lower_bound(lane.jobs.begin(), lane.jobs.end(), time,
+                       [](const Job& job, std::int64_t at) { return job.from < at; });
+  return behind == lane.jobs.begin() ? time : std::prev(behind)->release;
+}
+
+/// Before the job that the cause is about, and before the jobs that ran on its processor meanwhile:
+/// one of them is the culprit.
+std::int64_t beginning_of(const Scene& scene, const Record& cause) {
+  const auto its = std::find_if(scene.lanes.begin(), scene.lanes.end(),
+                                [&](const Lane& lane) { return lane.thread == cause.thread; });
+  if (its == scene.lanes.end() || its->component == nullptr) return cause.time;
+  const std::int64_t since = release_before(*its, cause.time);
+  const auto cpu = its->component->cpu();
+  std::int64_t from = since;
+  for (const Lane& lane : scene.lanes) {
+    const bool beside = cpu && lane.component != nullptr && lane.component->realtime &&
+                        lane.component->cpu() == cpu;
+    if (!beside) continue;
+    for (const Job& job : lane.jobs) {
+      if (job.to > since && job.from < cause.time) from = std::min(from, job.release);
+    }
+  }
+  return from;
+}
+
 void choose_window(Scene& scene, const Trace& trace, const View& view) {
   const std::int64_t first = trace.first_time();
   const std::int64_t last = std::max(trace.last_time(), first);
@@ -131,6 +159,7 @@ void choose_window(Scene& scene, const Trace& trace, const View& view) {
     const std::int64_t period = period_around(trace, *cause);
     scene.from = std::max(first, cause->time - (kPeriods + 1) * period / 2);
     scene.to = std::min(last, scene.from + kPeriods * period);
+    scene.from = std::max(first, std::min(scene.from, beginning_of(scene, *cause)));
   } else {
     scene.from = std::max(first, last - kSecond);
     // Jobs of the most frequent component must stay apart in the picture.
@@ -191,7 +220,8 @@ std::vector<const Lane*> choose_rows(Scene& scene, const View& view) {
     if (named) found.insert(name);
   }
   for (const std::string& name : wanted) {
-    if (!found.contains(name)) scene.left_out.push_back("there is no component " + name + " in it");
+    if (!found.contains(name))
+      scene.left_out.push_back("the component " + name + ", which has no records in it");
   }
   if (wanted.empty()) keep_the_busiest(chosen, scene);
   return chosen;

@@ -2,6 +2,7 @@
 /// A trace, of a file or of the running system, as a picture.
 #include "mtrace/timeline.h"
 
+#include <algorithm>
 #include <sstream>
 
 #include "base/duration.h"
@@ -53,6 +54,19 @@ std::optional<Fault> nothing_in(const mtrace::Trace& trace, const mtrace::View& 
                                  mtrace::instant_in_words(last));
 }
 
+/// The fault of a name that no component of the trace has.
+std::optional<Fault> unknown_in(const mtrace::Trace& trace, const mtrace::View& view) {
+  std::string names;
+  for (const auto& one : trace.header.components) names += (names.empty() ? "" : ", ") + one.name;
+  for (const std::string& wanted : view.components) {
+    const auto is_it = [&](const auto& one) { return one.name == wanted; };
+    if (std::ranges::any_of(trace.header.components, is_it)) continue;
+    return protocol::wrong_use("usage_nothing_to_draw", "the trace has no component " + wanted, {},
+                               names.empty() ? "the trace names no components" : "it has " + names);
+  }
+  return std::nullopt;
+}
+
 int write_picture(Session& session, const mtrace::Timeline& timeline) {
   std::string left_out;
   for (const std::string& what : timeline.left_out) left_out += "not shown: " + what + "\n";
@@ -80,6 +94,7 @@ int run_timeline(Session& session) {
   const auto trace = trace_of(session);
   if (const auto* fault = std::get_if<Fault>(&trace)) return session.fail(*fault);
   const auto& found = std::get<mtrace::Trace>(trace);
+  if (auto unknown = unknown_in(found, view)) return session.fail(*unknown);
   if (auto nothing = nothing_in(found, view)) return session.fail(*nothing);
   return write_picture(session, mtrace::draw_timeline(found, view));
 }

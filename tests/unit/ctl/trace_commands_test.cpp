@@ -133,6 +133,16 @@ TEST_F(TraceCommand, TimelineDrawsAPartOfAFile) {
   EXPECT_THAT(text_of("a.svg"), testing::Not(HasSubstr(">c2<")));
 }
 
+TEST_F(TraceCommand, TimelineRefusesAComponentThatTheTraceDoesNotHave) {
+  const Outcome outcome =
+      run_alone({"timeline", file_, "--component", "c0,c9", "-o", folder_ / "none.svg"});
+
+  EXPECT_EQ(outcome.exit, 2) << outcome.out;
+  EXPECT_THAT(outcome.err, HasSubstr("the trace has no component c9"));
+  EXPECT_THAT(outcome.err, HasSubstr("it has c0, c1, c2, c3"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "none.svg"));
+}
+
 TEST_F(TraceCommand, TimelineRefusesTimesThatAreNone) {
   EXPECT_EQ(run_alone({"timeline", file_, "--from", "soon"}).exit, 2);
   EXPECT_EQ(run_alone({"timeline", file_, "--from", "2s", "--to", "1s"}).exit, 2);

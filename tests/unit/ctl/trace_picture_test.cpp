@@ -172,6 +172,25 @@ TEST(Timeline, DrawsNoMissedReleaseWhereAStartCameBetween) {
   EXPECT_THAT(svg, HasSubstr(">2 missed</text>"));
 }
 
+TEST(Timeline, BeginsBeforeTheReleaseOfTheJobThatIsTheCauseOfAMiss) {
+  Trace trace = made_late();
+  EXPECT_LT(draw_timeline(trace, {}).from, 10 * kMilli);
+
+  // The culprit is more urgent than the component whose releases are missed.
+  Two two;
+  two.trace.records.clear();
+  two.job("low", 0, 0, 1 * kMilli, 20);
+  two.job("high", 190 * kMilli, 190 * kMilli, 360 * kMilli, 10);
+  two.job("low", 200 * kMilli, 360 * kMilli, 361 * kMilli, 20);
+  two.add(361 * kMilli, "low", Event::missed, "", 7, 7);
+  two.job("low", 360 * kMilli, 361 * kMilli, 362 * kMilli, 20);
+  for (std::int64_t at = 380 * kMilli; at < 500 * kMilli; at += 20 * kMilli) {
+    two.job("low", at, at, at + kMilli, 20);
+  }
+  two.trace.header.why = "missed low";
+  EXPECT_LT(draw_timeline(two.trace, {}).from, 190 * kMilli);
+}
+
 TEST(Timeline, ShowsTheLastJobsOfTheMostFrequentComponentWhereNothingIsSaid) {
   const Trace trace = MadeTrace(3).make(4, 3000 * kMilli, 0, 50);
   const Timeline drawn = draw_timeline(trace, {});
@@ -215,7 +234,7 @@ TEST(Timeline, ShowsWhatIsAskedFor) {
   EXPECT_EQ(drawn.from, 5 * kMilli);
   EXPECT_EQ(drawn.to, 15 * kMilli);
   EXPECT_THAT(drawn.svg, Not(HasSubstr(">low<")));
-  EXPECT_THAT(drawn.left_out, testing::Contains("there is no component hihg in it"));
+  EXPECT_THAT(drawn.left_out, testing::Contains("the component hihg, which has no records in it"));
 }
 
 TEST(Timeline, SaysSinceWhenARowHasThePriorityOfItsLabel) {
