@@ -181,15 +181,17 @@ class ResponseCheck {
     }
     if (!disturbed_.empty() && beyond > 0 && beyond < kUnseen) {
       return findings_.left_out(
-          "responses beyond the bound by less than the probe sees, on a machine that was "
-          "disturbed");
+          "responses beyond the bound by less than 1.2 ms, on a machine that was disturbed: the "
+          "trace may lack such a short disturbance");
     }
     if (beyond > 0 && job.instant() < since_) {
       return findings_.left_out("responses beyond the bound before " + instant_in_words(since_) +
                                 ": the trace has only the later bound");
     }
     if (beyond > 0 && !findings_.trace().header.probed) {
-      return findings_.left_out("responses beyond the bound, where no probe ran");
+      return findings_.left_out(
+          "responses beyond the bound: only after `trace start` does a trace record when the host "
+          "held a CPU up");
     }
     ++findings_.checked.responses;
     ++findings_.checked.responses_of[component.name];

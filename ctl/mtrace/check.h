@@ -31,6 +31,7 @@ struct Checked {
   std::uint64_t orders = 0;  ///< pairs of jobs on one processor
   std::uint64_t changes = 0;
   std::uint64_t takes = 0;      ///< of a change by a component, at its instant
+  std::uint64_t missed = 0;     ///< releases for which no job ran, as the trace records them
   std::uint64_t responses = 0;  ///< against the admitted bound
   std::map<std::string, std::uint64_t> responses_of;  ///< of these, by component
 };

@@ -35,8 +35,7 @@ class ThreadCheck {
       case Event::unlock:
         return on_unlock(record);
       case Event::missed:
-        missed_ = std::min(missed_ + std::max<std::int64_t>(0, record.a), kMostMissed + 1);
-        return;
+        return on_missed(record);
       case Event::applied:
         return on_applied(record);
       default:
@@ -47,6 +46,12 @@ class ThreadCheck {
   std::vector<SeenJob> jobs;
 
  private:
+  void on_missed(const Record& record) {
+    const std::int64_t count = std::clamp<std::int64_t>(record.a, 0, kMostMissed + 1);
+    missed_ = std::min(missed_ + count, kMostMissed + 1);
+    findings_.checked.missed += static_cast<std::uint64_t>(count);
+  }
+
   void on_rare(const Record& record) {
     switch (record.event) {
       case Event::budget:

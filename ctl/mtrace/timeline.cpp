@@ -54,7 +54,7 @@ class Happenings {
       if (++drawn > kMostLines) return;
       page_.svg.rectangle({from, page_.top}, std::max(1.5, to - from), page_.bottom - page_.top,
                           "class=\"disturbed\"",
-                          "the host, or something foreign, held a probe up for " +
+                          "the host, or something foreign, held a CPU up for " +
                               nanoseconds_in_words(static_cast<double>(record.a)));
       page_.occurs(Sign::disturbed);
     });

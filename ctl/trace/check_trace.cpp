@@ -13,15 +13,11 @@ using mtrace::Verdict;
 using mtrace::Violation;
 
 Json json_of(const Checked& checked) {
-  return {{"components", checked.components},
-          {"releases", checked.releases},
-          {"waits", checked.waits},
-          {"states", checked.states},
-          {"orders", checked.orders},
-          {"changes", checked.changes},
-          {"takes", checked.takes},
-          {"responses", checked.responses},
-          {"responses_of", checked.responses_of}};
+  return {{"components", checked.components}, {"releases", checked.releases},
+          {"waits", checked.waits},           {"states", checked.states},
+          {"orders", checked.orders},         {"missed", checked.missed},
+          {"changes", checked.changes},       {"takes", checked.takes},
+          {"responses", checked.responses},   {"responses_of", checked.responses_of}};
 }
 
 Json json_of(const Violation& violation) {
@@ -55,12 +51,16 @@ std::string render(const Verdict& verdict, bool colour) {
   const Checked& checked = verdict.checked;
   std::string text = verdict.holds() ? painted("the trace obeys the model\n", Paint::green, colour)
                                      : render(*verdict.first, verdict.found, colour);
+  if (checked.missed > 0) {
+    text += "missed: " + counted(checked.missed, "release") +
+            ", which the model permits to a late component\n";
+  }
   text += "checked: " + counted(checked.components, "component") + ", " +
           counted(checked.releases, "release") + " where the clock says, " +
           counted(checked.waits, "wait") + ", " + counted(checked.states, "state") + ", " +
           counted(checked.orders, "pair") + " by priority, " + counted(checked.changes, "change") +
-          " with " + counted(checked.takes, "cut") + ", " + counted(checked.responses, "response") +
-          " within the bound\n";
+          " taken " + counted(checked.takes, "time") + " at the right release, " +
+          counted(checked.responses, "response") + " within the bound\n";
   for (const std::string& what : verdict.not_checked) {
     text += "not checked: " + harmless(what) + "\n";
   }

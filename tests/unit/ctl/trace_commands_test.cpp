@@ -47,6 +47,24 @@ TEST_F(TraceCommand, CheckSaysThatATraceObeysTheModel) {
 
   EXPECT_EQ(outcome.exit, 0) << outcome.out;
   EXPECT_THAT(outcome.out, StartsWith("the trace obeys the model\nchecked: 4 components, "));
+  EXPECT_THAT(outcome.out, HasSubstr(" changes taken "));
+  EXPECT_THAT(outcome.out, HasSubstr(" times at the right release, "));
+}
+
+TEST_F(TraceCommand, CheckCountsTheReleasesThatWereMissed) {
+  Trace trace;
+  trace.header.components = made().header.components;
+  trace.header.to = 50'000'000;
+  for (const std::int64_t count : {17, 3}) {
+    mtrace::append_record(trace, 1'000'000, "c0", mtrace::Event::missed, {}, count, count);
+  }
+  write(trace);
+  const Outcome outcome = run_alone({"check-trace", file_});
+
+  EXPECT_THAT(outcome.out, StartsWith("the trace obeys the model\nmissed: 20 releases, which the "
+                                      "model permits to a late component\nchecked: "));
+  const Outcome json = run_alone({"--json", "check-trace", file_});
+  EXPECT_EQ(Json::parse(json.out)["checked"]["missed"], 20);
 }
 
 TEST_F(TraceCommand, CheckNamesTheFirstViolationAndEndsWithOne) {
