@@ -2,10 +2,11 @@
 #include "commands/measure/more_urgent.h"
 
 #include <algorithm>
-#include <chrono>
+#include <array>
+#include <cstdio>
 #include <tuple>
 
-#include "base/duration.h"
+#include "monitor/own_job.h"
 
 namespace mauve::daemon {
 
@@ -38,12 +39,21 @@ bool exceeded_budget(const ComponentStatus& one) {
 
 Duration beyond_budget(const ComponentStatus& one) { return longest_job(one) - one.budget; }
 
-std::string rounded(Duration duration) {
-  return format_duration(std::chrono::ceil<std::chrono::microseconds>(duration));
+/// "49.7 ms": as mauvectl writes the other times of the answer.
+std::string in_words(Duration duration) {
+  const auto count = static_cast<double>(duration.count());
+  const auto [unit, name] = count < 1e3   ? std::pair(1.0, "ns")
+                            : count < 1e6 ? std::pair(1e3, "us")
+                            : count < 1e9 ? std::pair(1e6, "ms")
+                                          : std::pair(1e9, "s");
+  const bool whole = unit < 1e3 || count / unit >= 100;
+  std::array<char, 48> text{};
+  std::snprintf(text.data(), text.size(), "%.*f %s", whole ? 0 : 1, count / unit, name);
+  return text.data();
 }
 
 std::string longest_job_in_words(const ComponentStatus& one) {
-  return rounded(longest_job(one)) +
+  return in_words(longest_job(one)) +
          (one.used_max > Duration{0} ? " of processor time" : " from start to end");
 }
 
@@ -52,22 +62,45 @@ std::string step_to(const ComponentStatus& one, const ComponentStatus& late) {
   const std::string step = "mauvectl why " + one.name + ": it is " +
                            (equal ? "as urgent" : "more urgent") + " on the same CPU, and ";
   if (one.late > Duration{0}) {
-    return step + "its job should have ended " + rounded(one.late) + " ago";
+    return step + "its job should have ended " + in_words(one.late) + " ago";
   }
   if (exceeded_budget(one)) {
     return step + std::to_string(one.over_budget) + (one.over_budget == 1 ? " job" : " jobs") +
-           " exceeded its budget of " + format_duration(one.budget) + " (longest " +
+           " exceeded its budget of " + in_words(one.budget) + " (longest " +
            longest_job_in_words(one) + ")";
   }
   return step + "its longest job (" + longest_job_in_words(one) +
          (one.budget == Duration{0} ? ", no budget" : ", within its budget") +
-         ") leaves too little of a period of " + format_duration(late.period);
+         ") leaves too little of a period of " + in_words(late.period);
 }
 
-/// By the processor time of one job of each: on the clock, each contains the other.
+/// By the processor time of one job of each: on the clock, each contains the other. A late
+/// component whose own job is too long fills its period alone, so that another one is not to blame.
 bool leaves_too_little(const ComponentStatus& one, const ComponentStatus& late) {
-  return one.used_max > Duration{0} && late.period > Duration{0} &&
+  return one.used_max > Duration{0} && late.period > Duration{0} && !own_job_too_long(late) &&
          one.used_max + late.used_max > late.period;
+}
+
+std::string own_job_hint(const ComponentStatus& late) {
+  const bool over = late.budget > Duration{0} && late.used_max > late.budget;
+  return "mauvectl stats " + late.name + ": its own job is too long: up to " +
+         in_words(late.used_max) + " of processor time, " +
+         (over ? "its budget is " + in_words(late.budget)
+               : "its period is " + in_words(late.period));
+}
+
+/// The steps that concern the late component alone.
+std::vector<std::string> own_hints(const ComponentStatus& late) {
+  std::vector<std::string> hints;
+  if (own_job_too_long(late)) {
+    hints.push_back(own_job_hint(late));
+  }
+  if (!late.realtime) {
+    hints.push_back(
+        "mauvectl doctor: this component runs on an ordinary thread, which other "
+        "programs delay");
+  }
+  return hints;
 }
 
 }  // namespace
@@ -96,7 +129,7 @@ std::vector<std::string> more_urgent_hints(const ComponentStatus& late,
   if (suspects.empty() && longest_one != nullptr) {
     suspects.push_back(longest_one);
   }
-  std::vector<std::string> hints;
+  auto hints = own_hints(late);
   for (const auto* one : suspects) {
     hints.push_back(step_to(*one, late));
   }

@@ -9,9 +9,10 @@
 
 namespace mauve::daemon {
 
-/// The next steps for a component that is late: `why` of each component that goes before it on its
-/// CPU and exceeded its budget, the most likely one first. If there is none, the step is `why` of
-/// one whose longest job leaves too little of a period.
+/// The next steps for a component that is late. First come those of its own: its job is too long,
+/// or its thread is an ordinary one. Then comes `why` of each component that goes before it on its
+/// CPU and exceeded its budget, the most likely one first. If there is none, and its own job is not
+/// too long, the step is `why` of one whose longest job leaves too little of a period.
 [[nodiscard]] std::vector<std::string> more_urgent_hints(const ComponentStatus& late,
                                                          const std::vector<ComponentStatus>& all);
 

@@ -11,6 +11,7 @@
 #include "exec/update/fault_record.h"
 #include "mauve/host/architecture.h"
 #include "mauve/service.h"
+#include "monitor/own_job.h"
 #include "state/state_store.h"
 
 namespace mauve::daemon {
@@ -176,7 +177,7 @@ void add_steps_of_a_late_one(const Running& running, const ComponentStatus& stat
   for (auto& hint : more_urgent_hints(status, running.deployer.status())) {
     hints.push_back(std::move(hint));
   }
-  if (!failed) {
+  if (!failed && !own_job_too_long(status)) {
     hints.push_back("mauvectl stats " + status.name + ": how long its jobs take");
   }
 }

@@ -43,9 +43,9 @@ TEST(WhyOfALateComponent, LeadsToMoreUrgentOnesThatExceededTheirBudgetTheWorstFi
 
   EXPECT_THAT(hints,
               ElementsAre("mauvectl why large: it is more urgent on the same CPU, and 7 "
-                          "jobs exceeded its budget of 2ms (longest 9ms of processor time)",
+                          "jobs exceeded its budget of 2.0 ms (longest 9.0 ms of processor time)",
                           "mauvectl why small: it is more urgent on the same CPU, and 7 "
-                          "jobs exceeded its budget of 2ms (longest 3ms of processor time)"));
+                          "jobs exceeded its budget of 2.0 ms (longest 3.0 ms of processor time)"));
 }
 
 TEST(WhyOfALateComponent, LeadsToNoneThatCannotHaveDelayedIt) {
@@ -72,7 +72,7 @@ TEST(WhyOfALateComponent, LeadsFirstToOneWhoseJobDoesNotEnd) {
   ASSERT_EQ(hints.size(), 2U);
   EXPECT_EQ(hints[0],
             "mauvectl why hanging: it is as urgent on the same CPU, and its job should have ended "
-            "5s ago");
+            "5.0 s ago");
 }
 
 TEST(WhyOfALateComponent, LeadsToOneWhoseJobsAreLongIfNoneExceededABudget) {
@@ -82,8 +82,43 @@ TEST(WhyOfALateComponent, LeadsToOneWhoseJobsAreLongIfNoneExceededABudget) {
 
   EXPECT_THAT(more_urgent_hints(victim, {victim, longer, component("sound", 50)}),
               ElementsAre("mauvectl why long: it is more urgent on the same CPU, and its longest "
-                          "job (9.5ms of processor time, no budget) leaves too little of a period "
-                          "of 10ms"));
+                          "job (9.5 ms of processor time, no budget) leaves too little of a period "
+                          "of 10.0 ms"));
+}
+
+TEST(WhyOfALateComponent, BlamesItsOwnJobIfThatAloneIsTooLong) {
+  const auto safety = component("safety", 60);
+  auto arm = component("arm", 40);
+  arm.used_max = 49'729us;
+  EXPECT_THAT(more_urgent_hints(arm, {arm, safety}),
+              ElementsAre("mauvectl stats arm: its own job is too long: up to 49.7 ms of "
+                          "processor time, its period is 10.0 ms"));
+
+  arm.used_max = 9500us;
+  arm.budget = 500us;
+  EXPECT_THAT(more_urgent_hints(arm, {arm, safety}),
+              ElementsAre("mauvectl stats arm: its own job is too long: up to 9.5 ms of "
+                          "processor time, its budget is 500 us"));
+}
+
+TEST(WhyOfALateComponent, StillLeadsToOnesThatExceededTheirBudgetIfItsOwnJobIsTooLong) {
+  auto arm = component("arm", 40);
+  arm.used_max = 12ms;
+
+  const auto hints = more_urgent_hints(arm, {arm, hog("large", 60, 9ms), component("sound", 60)});
+
+  ASSERT_EQ(hints.size(), 2U);
+  EXPECT_THAT(hints[0], testing::StartsWith("mauvectl stats arm: its own job"));
+  EXPECT_THAT(hints[1], testing::StartsWith("mauvectl why large: "));
+}
+
+TEST(WhyOfALateComponent, SaysFirstThatItsThreadIsAnOrdinaryOne) {
+  auto control = component("control", 40);
+  control.realtime = false;
+
+  EXPECT_THAT(more_urgent_hints(control, {control, component("sound", 60)}),
+              ElementsAre("mauvectl doctor: this component runs on an ordinary thread, which other "
+                          "programs delay"));
 }
 
 }  // namespace
