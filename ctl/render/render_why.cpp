@@ -67,16 +67,25 @@ std::string listed(const Json& names) {
   return text;
 }
 
+/// Of the jobs over the budget. The most processor time of all jobs says nothing about them where
+/// it is within the budget.
+std::string processor_time_in_words(const Json& why) {
+  const double used = number(why, "used_max_ns");
+  if (used > number(why, "budget_ns")) {
+    return ", up to " + nanoseconds_in_words(used) + " of processor time";
+  }
+  return whole_number(why, "unmeasured") > 0 ? ", processor time not measured" : "";
+}
+
 /// "253 jobs over the budget of 100 us (longest 15.0 ms from start to end, up to 14.9 ms of
 /// processor time)"; empty: none was.
 std::string over_budget_in_words(const Json& why) {
   const auto over = whole_number(why, "over_budget");
   if (over == 0) return {};
-  const double used = number(why, "used_max_ns");
   return counted(over, "job") + " over the budget of " +
          nanoseconds_in_words(number(why, "budget_ns")) + " (longest " +
          nanoseconds_in_words(number(why, "execution_max_ns")) + " from start to end" +
-         (used > 0 ? ", up to " + nanoseconds_in_words(used) + " of processor time)" : ")");
+         processor_time_in_words(why) + ")";
 }
 
 /// "did not fail, but is late: 126 releases missed, 259 overruns, 253 jobs over the budget ...";

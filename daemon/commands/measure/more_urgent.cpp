@@ -27,14 +27,18 @@ bool goes_before(const ComponentStatus& one, const ComponentStatus& late) {
          (!late.realtime || one.priority >= late.priority);
 }
 
-/// Processor time where that was measured, else the time from start to end.
-Duration longest_job(const ComponentStatus& one) {
-  return one.used_max > Duration{0} ? one.used_max : one.execution_max;
+bool surely_exceeded(const ComponentStatus& one) { return one.used_max > one.budget; }
+
+/// A job that others preempted exceeds the budget on the clock, without more processor time. A job
+/// whose processor time is not known may have exceeded it.
+bool exceeded_budget(const ComponentStatus& one) {
+  return one.over_present_budget > 0 && one.budget > Duration{0} &&
+         (surely_exceeded(one) || one.unmeasured > 0);
 }
 
-/// A job that others preempted exceeds the budget on the clock, without more processor time.
-bool exceeded_budget(const ComponentStatus& one) {
-  return one.over_budget > 0 && one.budget > Duration{0} && longest_job(one) > one.budget;
+/// The processor time of the longest job over the budget, else its time from start to end.
+Duration longest_job(const ComponentStatus& one) {
+  return surely_exceeded(one) ? one.used_max : one.execution_max;
 }
 
 Duration beyond_budget(const ComponentStatus& one) { return longest_job(one) - one.budget; }
@@ -53,8 +57,9 @@ std::string in_words(Duration duration) {
 }
 
 std::string longest_job_in_words(const ComponentStatus& one) {
-  return in_words(longest_job(one)) +
-         (one.used_max > Duration{0} ? " of processor time" : " from start to end");
+  return in_words(longest_job(one)) + (surely_exceeded(one)
+                                           ? " of processor time"
+                                           : " from start to end, processor time not measured");
 }
 
 std::string step_to(const ComponentStatus& one, const ComponentStatus& late) {
@@ -65,12 +70,14 @@ std::string step_to(const ComponentStatus& one, const ComponentStatus& late) {
     return step + "its job should have ended " + in_words(one.late) + " ago";
   }
   if (exceeded_budget(one)) {
-    return step + std::to_string(one.over_budget) + (one.over_budget == 1 ? " job" : " jobs") +
+    const auto over = one.over_present_budget;
+    return step + std::to_string(over) + (over == 1 ? " job" : " jobs") +
            " exceeded its budget of " + in_words(one.budget) + " (longest " +
            longest_job_in_words(one) + ")";
   }
-  return step + "its longest job (" + longest_job_in_words(one) +
-         (one.budget == Duration{0} ? ", no budget" : ", within its budget") +
+  const auto* const within = one.used_max > one.budget ? "" : ", within its budget";
+  return step + "its longest job (" + in_words(one.used_max) + " of processor time" +
+         (one.budget == Duration{0} ? ", no budget" : within) +
          ") leaves too little of a period of " + in_words(late.period);
 }
 
@@ -122,7 +129,7 @@ std::vector<std::string> more_urgent_hints(const ComponentStatus& late,
   }
   std::stable_sort(suspects.begin(), suspects.end(), [](const auto* a, const auto* b) {
     const auto rank = [](const ComponentStatus& one) {
-      return std::tuple(one.late, one.used_max > Duration{0}, beyond_budget(one));
+      return std::tuple(one.late, surely_exceeded(one), beyond_budget(one));
     };
     return rank(*a) > rank(*b);
   });

@@ -16,6 +16,7 @@ struct Fault;
 namespace exec {
 
 class FaultReaction;
+struct JobUse;
 struct TaskContext;
 
 class JobRunner {
@@ -36,7 +37,7 @@ class JobRunner {
   void conclude(Instant start, const JobEnd& end, const rt::Fault& fault);
   [[nodiscard]] FsmState* run_states(JobEnd& job);
   void account(Instant start, const JobEnd& job);
-  void count_over_budget(Instant end, Duration took);
+  void count_over_budget(const JobUse& job);
   void count_overrun(Duration late);
 
   TaskContext& task_;

@@ -108,6 +108,25 @@ TEST(Why, AComponentThatIsInTimeAndExceededItsBudgetSaysSo) {
                                   "the budget of 2.0 ms (longest 8.0 ms from start to end)\n"));
 }
 
+TEST(Why, TheProcessorTimeOfJobsWithinTheBudgetIsNotThatOfJobsOverIt) {
+  Json answer = kWhy;
+  answer["state"] = "running";
+  answer["failure"] = nullptr;
+  answer["missed"] = answer["overruns"] = 0;
+  answer["over_budget"] = 14;
+  answer["unmeasured"] = 3;
+  answer["budget_ns"] = 800'000;
+  answer["execution_max_ns"] = 60'000'000;
+  answer["used_max_ns"] = 23'400;
+
+  EXPECT_THAT(Scene({"why", "control"}, answer).outcome.out,
+              testing::HasSubstr("14 jobs over the budget of 800 us (longest 60.0 ms from start to "
+                                 "end, processor time not measured)\n"));
+  answer["unmeasured"] = 0;
+  EXPECT_THAT(Scene({"why", "control"}, answer).outcome.out,
+              testing::HasSubstr("(longest 60.0 ms from start to end)\n"));
+}
+
 TEST(Why, OfAnAnswerThatMakesNoSenseDoesNotFail) {
   for (const char* text : {"null", "{}", "[]", R"({"failure": {}, "records": [1], "hints": 3})"}) {
     EXPECT_FALSE(render_why(Json::parse(text), {80, true}).empty()) << text;

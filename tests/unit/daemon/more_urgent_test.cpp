@@ -30,7 +30,8 @@ ComponentStatus component(const char* name, int priority) {
 ComponentStatus hog(const char* name, int priority, Duration used) {
   auto status = component(name, priority);
   status.budget = 2ms;
-  status.over_budget = 7;
+  status.over_budget = 9;
+  status.over_present_budget = 7;
   status.execution_max = status.used_max = used;
   return status;
 }
@@ -84,6 +85,26 @@ TEST(WhyOfALateComponent, LeadsToOneWhoseJobsAreLongIfNoneExceededABudget) {
               ElementsAre("mauvectl why long: it is more urgent on the same CPU, and its longest "
                           "job (9.5 ms of processor time, no budget) leaves too little of a period "
                           "of 10.0 ms"));
+}
+
+TEST(WhyOfALateComponent, LeadsToOneWhoseJobsOverTheBudgetHaveNoMeasuredProcessorTime) {
+  const auto victim = component("victim", 40);
+  auto preempted = hog("preempted", 60, 23us);
+  preempted.execution_max = 60ms;
+  preempted.unmeasured = 1;
+
+  EXPECT_THAT(more_urgent_hints(victim, {victim, preempted}),
+              ElementsAre("mauvectl why preempted: it is more urgent on the same CPU, and 7 jobs "
+                          "exceeded its budget of 2.0 ms (longest 60.0 ms from start to end, "
+                          "processor time not measured)"));
+}
+
+TEST(WhyOfALateComponent, LeadsToNoneWhoseJobsExceededOnlyAFormerBudget) {
+  const auto victim = component("victim", 40);
+  auto changed = hog("changed", 60, 3ms);
+  changed.over_present_budget = 0;
+
+  EXPECT_THAT(more_urgent_hints(victim, {victim, changed}), IsEmpty());
 }
 
 TEST(WhyOfALateComponent, BlamesItsOwnJobIfThatAloneIsTooLong) {

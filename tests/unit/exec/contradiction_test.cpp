@@ -60,5 +60,31 @@ TEST_F(Contradictions, NameMissedReleases) {
             std::vector<std::string>{"control missed " + std::to_string(missed) + " releases"});
 }
 
+/// `why` compares these jobs with the budget and the longest job of the present core.
+TEST_F(Contradictions, CountJobsOverTheBudgetAnewWithAnotherBudgetOrCore) {
+  const auto over = [&] { return deployer.status("control").over_present_budget; };
+  const auto set_budget = [&](Duration budget) {
+    Edit edit;
+    edit.member = "control";
+    edit.task = architecture.control.bundle()->task;
+    edit.task->budget = budget;
+    ASSERT_TRUE(deployer.apply(Change{{edit}}));
+    deployer.run_for(100ms);
+  };
+  ASSERT_TRUE(deployer.apply({{ramp::to_core<Costly>("Costly")}}));
+  deployer.run_for(100ms);
+  EXPECT_GT(over(), 0U);
+
+  set_budget(400us);
+  EXPECT_EQ(over(), 0U) << "jobs of 350 us";
+  EXPECT_GT(deployer.status("control").over_budget, 0U);
+
+  set_budget(200us);
+  EXPECT_GT(over(), 0U);
+  ASSERT_TRUE(deployer.apply({{ramp::to_core<ramp::Down>("Down")}}));
+  deployer.run_for(100ms);
+  EXPECT_EQ(over(), 0U);
+}
+
 }  // namespace
 }  // namespace mauve

@@ -142,6 +142,8 @@ TEST_F(Overrun, BudgetIsReportedAndChangesNothing) {
   run(2);
 
   EXPECT_EQ(task.counters().over_budget, 1u);
+  EXPECT_EQ(task.counters().over_present_budget, 1u);
+  EXPECT_EQ(task.counters().unmeasured, 0u) << "a simulation measures each job";
   EXPECT_TRUE(task.running());
 }
 

@@ -66,14 +66,17 @@ struct ComponentStatus {
   std::uint64_t overruns = 0;     ///< jobs that ended after their wait or deadline
   std::uint64_t faults = 0;       ///< jobs that threw, crashed or hung
   std::uint64_t over_budget = 0;  ///< jobs longer than the declared budget, on the wall clock
-  Duration lateness_max{0};       ///< of job starts
-  Duration lateness_last{0};      ///< of the last job
-  Duration execution_max{0};      ///< of jobs, on the wall clock
-  Duration execution_last{0};     ///< of the last job
-  Duration used_max{0};           ///< the most processor time of a job; 0: none was measured
-  Duration budget{0};             ///< as declared; 0: none
-  Duration next_release{0};       ///< since T0
-  Duration period{0};             ///< the grid that its releases lie on
+  std::uint64_t over_present_budget = 0;  ///< of these: with the present core and budget
+  /// Of those: preempted or held up, so that their processor time is not known.
+  std::uint64_t unmeasured = 0;
+  Duration lateness_max{0};    ///< of job starts
+  Duration lateness_last{0};   ///< of the last job
+  Duration execution_max{0};   ///< of jobs, on the wall clock
+  Duration execution_last{0};  ///< of the last job
+  Duration used_max{0};        ///< the most processor time of a job; 0: none was measured
+  Duration budget{0};          ///< as declared; 0: none
+  Duration next_release{0};    ///< since T0
+  Duration period{0};          ///< the grid that its releases lie on
   Duration watchdog{0};   ///< a job that runs longer is interrupted, or its thread is abandoned
   bool changing = false;  ///< a change, or an order to stop, waits for the end of its job
   bool stopping = false;  ///< of these it is an order to stop
