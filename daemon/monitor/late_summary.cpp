@@ -30,6 +30,9 @@ bool LateSummary::concerns(const RuntimeEvent& happening) {
 }
 
 bool LateSummary::pass(const RuntimeEvent& happening) {
+  if (happening.long_job) {
+    explained_ = std::max(explained_, happening.time);
+  }
   auto found = std::find_if(all_.begin(), all_.end(), [&](const Counted& one) {
     return one.last.component == happening.component && one.last.event == happening.event;
   });
@@ -75,7 +78,8 @@ std::size_t LateSummary::missed_together() {
     return one.last.event == kMissed && newest - one.last.time <= kTogether.count();
   });
   const bool reported = together_ != 0 && newest - together_ < kEach.count();
-  if (reported || count < static_cast<std::ptrdiff_t>(kSeveral)) {
+  const bool explained = newest - explained_ <= kExplained.count();
+  if (reported || explained || count < static_cast<std::ptrdiff_t>(kSeveral)) {
     return 0;
   }
   together_ = newest;

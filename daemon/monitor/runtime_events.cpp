@@ -105,6 +105,9 @@ void take_one(const RuntimeEvent& happening, LateSummary& late, const Take& take
   if (happening.event == "stopped" || happening.event == "faulted") {
     take_all(late.finish(happening.component, happening.time), take);
   }
+  if (happening.event == "faulted") {
+    late.failed(happening.time);
+  }
   if (!LateSummary::concerns(happening) || late.pass(happening)) {
     take(record_of(happening));
   }

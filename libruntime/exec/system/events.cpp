@@ -26,6 +26,7 @@ std::string_view name_of(rt::EventKind kind) {
     case rt::EventKind::aborted:
       return "aborted";
     case rt::EventKind::overrun:
+    case rt::EventKind::long_overrun:
       return "overrun";
     case rt::EventKind::missed:
       return "missed";
@@ -93,6 +94,7 @@ std::string text_of(const rt::Event& event) {
     case rt::EventKind::aborted:
       return "a change missed its instant and was given back";
     case rt::EventKind::overrun:
+    case rt::EventKind::long_overrun:
       return "job ended " + time(event.a) + " late, overrun " + count(event.b);
     case rt::EventKind::missed:
       return count(event.a) + (event.a.integer == 1 ? " release missed, " : " releases missed, ") +
@@ -108,7 +110,8 @@ void drain_one(Deployed& deployed, std::vector<RuntimeEvent>& all) {
   rt::Event event;
   while (deployed.task->report().events().pop(event)) {
     all.push_back({event.time, event.level, deployed.component->name(),
-                   std::string(name_of(event.kind)), text_of(event)});
+                   std::string(name_of(event.kind)), text_of(event),
+                   event.kind == rt::EventKind::long_overrun});
   }
   rt::Request request;
   while (deployed.task->report().requests().pop(request)) {

@@ -73,6 +73,12 @@ Duration JobMeter::excuse(Instant released, Instant end) {
   return held_up;
 }
 
+bool JobMeter::took_long(const JobUse& job, Duration limit) const {
+  if (!job.used && (noise_ == nullptr || !noise_->is_known())) return false;
+  const Duration took = job.used.value_or(Duration{job.end - job.start});
+  return took - 2 * held_up_since(job.released) > limit;
+}
+
 JobTiming JobMeter::judge(const JobUse& job, const TaskAttributes& task, Duration wait) {
   const Duration excused = excuse(job.released, job.end);
   const Duration used = std::max(job.used.value_or(Duration{0}) - excused, Duration{0});

@@ -37,6 +37,10 @@ class JobMeter {
                                             Counters& counters);
   /// The timing that the core is judged by. `wait`: from its release to the next one.
   [[nodiscard]] JobTiming judge(const JobUse& job, const TaskAttributes& task, Duration wait);
+  /// Did the job take longer than this while the machine ran? Where its processor time is not
+  /// known, the time from start to end stands in for it, but only where a probe saw the machine
+  /// run.
+  [[nodiscard]] bool took_long(const JobUse& job, Duration limit) const;
 
   /// The time at which a state ends, read once for each of them.
   [[nodiscard]] Instant now() const {

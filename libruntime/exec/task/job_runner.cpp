@@ -189,7 +189,7 @@ void JobRunner::account(Instant start, const JobEnd& job) {
                                : task_.release;
   const bool late = use.end > deadline;
   if (late) use.late = Duration{use.end - deadline};
-  if (late) count_overrun(use.late);
+  if (late) count_overrun(use);
   if (task_.evidence.count_late(late, attributes.overrun_limit)) faults_.react_to_overruns();
   if (task_.mailbox.on_probation()) {
     faults_.judge(use);
@@ -213,14 +213,16 @@ void JobRunner::count_over_budget(const JobUse& job) {
                       static_cast<std::uint64_t>(budget.count()));
 }
 
-void JobRunner::count_overrun(Duration late) {
+void JobRunner::count_overrun(const JobUse& job) {
+  const Duration budget = task_.current->bundle->task.budget;
+  const bool took_long = task_.meter.took_long(job, budget > Duration{0} ? budget : task_.wait);
   Counters& counters = task_.report.counters();
   add<std::uint64_t>(counters.overruns, 1);
   add<std::uint64_t>(task_.meter.times().overruns, 1);
   const std::uint64_t overruns = counters.overruns.load(std::memory_order_relaxed);
-  task_.report.record(TraceKind::overrun, task_.clock.now(), late.count(), overruns);
-  task_.report.note(rt::EventKind::overrun, LogLevel::warning, late.count(),
-                    static_cast<std::int64_t>(overruns));
+  task_.report.record(TraceKind::overrun, task_.clock.now(), job.late.count(), overruns);
+  task_.report.note(took_long ? rt::EventKind::long_overrun : rt::EventKind::overrun,
+                    LogLevel::warning, job.late.count(), static_cast<std::int64_t>(overruns));
 }
 
 }  // namespace mauve::exec

@@ -38,7 +38,7 @@ class JobRunner {
   [[nodiscard]] FsmState* run_states(JobEnd& job);
   void account(Instant start, const JobEnd& job);
   void count_over_budget(const JobUse& job);
-  void count_overrun(Duration late);
+  void count_overrun(const JobUse& job);
 
   TaskContext& task_;
   FaultReaction& faults_;

@@ -115,6 +115,11 @@ Duration Noise::held_up_since(Instant instant) const {
   return noise == nullptr ? Duration{0} : noise->held_up_since(instant);
 }
 
+bool Noise::is_known() const {
+  const NoiseOfCpu* const noise = find(sched_getcpu());
+  return noise != nullptr && noise->ran_at() != 0;
+}
+
 bool Noise::stands_still(const std::vector<int>& cpus, Instant now) const {
   return std::any_of(cpus.begin(), cpus.end(), [&](int cpu) {
     const NoiseOfCpu* const noise = find(cpu);

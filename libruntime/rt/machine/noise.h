@@ -78,6 +78,8 @@ class Noise {
   /// For how long the probe of the caller's CPU was held up at this instant or later; zero: it was
   /// not, or there is no probe. Some loads; no lock, no wait. [rt]
   [[nodiscard]] Duration held_up_since(Instant instant) const;
+  /// Does a probe run on the CPU of the caller? [rt]
+  [[nodiscard]] bool is_known() const;
   /// The probe of one of these CPUs should have run and did not: the CPU stands still right now.
   /// [any]
   [[nodiscard]] bool stands_still(const std::vector<int>& cpus, Instant now) const;

@@ -14,14 +14,15 @@
 namespace mauve::rt {
 
 enum class EventKind : std::uint8_t {
-  log,      ///< a message of a core: `literal` with arguments a and b
-  started,  ///< a: release, ns since T0
-  stopped,  ///< a: ns since T0
-  swapped,  ///< a: pause in ns, b: bytes handed over
-  aborted,  ///< a change that missed its instant was given back untouched
-  overrun,  ///< a: how late in ns, b: overruns so far
-  missed,   ///< a: releases that will never run, b: missed so far
-  faulted,  ///< a: the cause, text: the exception, or the like
+  log,           ///< a message of a core: `literal` with arguments a and b
+  started,       ///< a: release, ns since T0
+  stopped,       ///< a: ns since T0
+  swapped,       ///< a: pause in ns, b: bytes handed over
+  aborted,       ///< a change that missed its instant was given back untouched
+  overrun,       ///< a: how late in ns, b: overruns so far
+  long_overrun,  ///< the same; the job took longer than its budget or its wait
+  missed,        ///< a: releases that will never run, b: missed so far
+  faulted,       ///< a: the cause, text: the exception, or the like
 };
 
 /// Fixed size; `literal` points into a library that stays loaded while its events are undrained.

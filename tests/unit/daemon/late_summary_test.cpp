@@ -104,6 +104,38 @@ TEST(LateSummary, CountsComponentsThatMissReleasesTogetherOnceInTenSeconds) {
   EXPECT_EQ(summary.missed_together(), 3U);
 }
 
+/// The count of three components that miss a release at the second second.
+std::size_t together_after(LateSummary& summary) {
+  for (const char* component : {"arm", "leg", "head"}) {
+    static_cast<void>(summary.pass(missed(2 * kSummarySecond, 1, 1, component)));
+  }
+  return summary.missed_together();
+}
+
+TEST(LateSummary, DoesNotSuspectTheMachineAfterAJobThatTookTooLong) {
+  RuntimeEvent overrun{2 * kSummarySecond - 1, LogLevel::warning, "arm", "overrun",
+                       "job ended 40 ms late, overrun 1"};
+  LateSummary of_short;
+  static_cast<void>(of_short.pass(overrun));
+  EXPECT_EQ(together_after(of_short), 3U) << "it ended late only because it began late";
+
+  overrun.long_job = true;
+  LateSummary of_long;
+  static_cast<void>(of_long.pass(overrun));
+  EXPECT_EQ(together_after(of_long), 0U);
+
+  overrun.time = kSummarySecond - 1;
+  LateSummary long_ago;
+  static_cast<void>(long_ago.pass(overrun));
+  EXPECT_EQ(together_after(long_ago), 3U);
+}
+
+TEST(LateSummary, DoesNotSuspectTheMachineAfterAFailure) {
+  LateSummary summary;
+  summary.failed(2 * kSummarySecond);
+  EXPECT_EQ(together_after(summary), 0U);
+}
+
 TEST(LateSummary, ConcernsNothingElse) {
   EXPECT_TRUE(LateSummary::concerns(missed(0, 1, 1)));
   EXPECT_FALSE(LateSummary::concerns({0, LogLevel::error, "arm", "faulted", "threw"}));

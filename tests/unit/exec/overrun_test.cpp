@@ -49,6 +49,16 @@ class Overrun : public testing::Test {
       task.run_release();
     }
   }
+  /// Of the events since the last call; `log`: there was none.
+  rt::EventKind last_overrun() {
+    rt::EventKind last = rt::EventKind::log;
+    rt::Event event;
+    while (task.report().events().pop(event)) {
+      const bool overrun = event.kind == rt::EventKind::overrun;
+      if (overrun || event.kind == rt::EventKind::long_overrun) last = event.kind;
+    }
+    return last;
+  }
   std::vector<std::int64_t> released_ms() {
     std::vector<std::int64_t> all;
     for (const Instant instant : core().released) all.push_back((instant - kT0) / 1'000'000);
@@ -145,6 +155,18 @@ TEST_F(Overrun, BudgetIsReportedAndChangesNothing) {
   EXPECT_EQ(task.counters().over_present_budget, 1u);
   EXPECT_EQ(task.counters().unmeasured, 0u) << "a simulation measures each job";
   EXPECT_TRUE(task.running());
+}
+
+TEST_F(Overrun, OfAJobThatTookTooLongIsAnotherEventThanThatOfOneThatBeganLate) {
+  begin();
+  core().costs = {1500us, 0us, 200us};
+  run(2);
+  EXPECT_EQ(last_overrun(), rt::EventKind::long_overrun);
+
+  clock.set(task.next_release() + Instant{900'000});
+  task.release();
+  EXPECT_EQ(last_overrun(), rt::EventKind::overrun);
+  EXPECT_EQ(task.counters().overruns, 2u);
 }
 
 TEST_F(Overrun, OffsetShiftsAllReleases) {

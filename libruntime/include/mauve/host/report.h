@@ -97,6 +97,8 @@ struct RuntimeEvent {
   std::string component;            ///< empty: none
   std::string event;                ///< "swapped", "overrun", "missed", "faulted", "log", ...
   std::string text;                 ///< formatted for people
+  /// Of an overrun: the job took longer than its budget or its wait while the machine ran.
+  bool long_job = false;
 };
 
 /// An action of the system by itself: a probation that is over, or a core that took over from one
