@@ -38,9 +38,9 @@ Error wrong_kind(std::string_view wanted, const Value& value) {
   if (wanted == "an integer") {
     if (auto beyond = beyond_integers(value)) return *std::move(beyond);
   }
-  return refuse({Errc::invalid_value, "value_wrong_kind"}, {},
-                "expected " + std::string(wanted) + ", got " + shown(value) +
-                    std::string(about_text(value)));
+  return refuse(
+      {Errc::invalid_value, "value_wrong_kind"}, {},
+      "expected " + std::string(wanted) + ", got " + shown(value) + std::string(about_text(value)));
 }
 
 Status inside(Status done, const std::string& part) {
