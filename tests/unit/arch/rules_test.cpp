@@ -274,11 +274,11 @@ TEST_F(RulesInFiles, NameTheWholeValueToARequestForAPartOfIt) {
   EXPECT_EQ(set("pose.read.x"),
             "field_not_alone: mauvectl write pose.write '{...}' takes a whole value");
   EXPECT_EQ(set("left.ports.pose.x"), "field_not_alone: mauvectl show left lists the properties");
-  EXPECT_EQ(set("left.core.home.z"), "unknown_field: it has: x, y");
+  EXPECT_EQ(set("left.core.home.depth"), "unknown_field: it has: x, y");
   EXPECT_EQ(set("left.core.hme"), "unknown_address: ");
   EXPECT_EQ(set("left.state"), "unknown_address: ");
   EXPECT_EQ(get("scan.read.ranges"), "part_without_address: mauvectl get scan.read");
-  EXPECT_EQ(get("pose.read.z"), "unknown_field: it has: x, y");
+  EXPECT_EQ(get("pose.read.depth"), "unknown_field: it has: x, y");
   EXPECT_EQ(get("pose.reed.x"), "unknown_address: ");
 }
 

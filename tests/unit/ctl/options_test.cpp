@@ -120,6 +120,10 @@ TEST(Options, NameTheCommandsThatAWordBeginsAndThoseThatOnlyLook) {
       << "reload changes things";
 }
 
+TEST(Options, NameAMissingArgumentAsTheUsageDoes) {
+  EXPECT_THAT(refused({"set"}).fault.message, testing::HasSubstr("ADDRESS=VALUE is required"));
+}
+
 TEST(Options, NameTheNearestOption) {
   EXPECT_EQ(refused({"status", "--jsn"}).fault.hint, "did you mean '--json'?");
   EXPECT_EQ(refused({"swap-core", "a", "b", "--inplace"}).fault.hint, "did you mean '--in-place'?");
