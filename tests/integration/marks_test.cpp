@@ -38,6 +38,22 @@ TEST_F(Generations, ThatWereConfirmedAreStartedAfterACrash) {
   EXPECT_EQ(exported(daemon)["components"]["first"]["properties"]["core.gain"], 3.0);
 }
 
+TEST_F(Generations, OfAllChangesThatJoinedAreConfirmedTogether) {
+  TrialDaemon daemon(kTrial, options());
+  ASSERT_EQ(daemon.ask("change.confirm")["saved"], true) << "it has just been started";
+  for (const double value : {2.0, 3.0, 4.0}) {
+    const Json change = {{"values", Json{{"first.core.gain", value}}}};
+    ASSERT_EQ(daemon.ask("param.set", change)["saved"], true);
+  }
+
+  ASSERT_EQ(daemon.ask("change.confirm")["confirmed"][0]["generations"], Json({2, 3, 4}));
+
+  EXPECT_TRUE(eventually([&] {
+    const auto items = daemon.ask("config.history")["items"];
+    return std::ranges::all_of(items, [](const Json& one) { return one["mark"] == "confirmed"; });
+  })) << daemon.ask("config.history");
+}
+
 TEST_F(Generations, HaveTheSameNumbersInRefusalsAfterARestart) {
   TrialDaemon daemon(kTrial, options());
   ASSERT_EQ(daemon.ask("param.set", {{"values", Json{{"first.core.gain", 3.0}}}})["saved"], true);
