@@ -152,7 +152,7 @@ TEST_F(Joining, ANewerChangeOfTheSameComponentRollsBackToWhatWasProvenLast) {
 TEST_F(Joining, ATraceShowsTheNumberOfTheChangeThatEachMemberAppliedLast) {
   set_trace_mode(TraceMode::jobs);
   apply({to<ramp::Down>("left"), to<ramp::Down>("right")});
-  apply({step("left", 2)}, std::nullopt);  // right follows
+  apply({to<ramp::Up>("left")});  // right follows
   const auto applied = test::of_kind(test::drain_trace(deployer), TraceKind::applied);
   set_trace_mode(TraceMode::off);
 

@@ -164,7 +164,7 @@ TEST_F(Overrun, OfAJobThatTookTooLongIsAnotherEventThanThatOfOneThatBeganLate) {
   EXPECT_EQ(last_overrun(), rt::EventKind::long_overrun);
 
   clock.set(task.next_release() + Instant{900'000});
-  task.release();
+  task.run_release();
   EXPECT_EQ(last_overrun(), rt::EventKind::overrun);
   EXPECT_EQ(task.counters().overruns, 2u);
 }
