@@ -140,7 +140,7 @@ TEST_F(ExclusiveOutputAtRunTime, HasOneWriterAfterARollbackToo) {
 
   const auto take = deployer.apply({{connect("machine", "speed", "command.write")}});
   ASSERT_TRUE(take) << to_string(take.error());
-  EXPECT_THAT(take->notes, ElementsAre(HasSubstr("generation 1")))
+  EXPECT_THAT(take->notes, ElementsAre(HasSubstr("back to before generation 2")))
       << "both have one rollback: to the one writer before";
   ASSERT_TRUE(deployer.undo());
   deployer.run_for(50ms);
