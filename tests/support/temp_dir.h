@@ -15,6 +15,7 @@ namespace mauve::test {
 class TempDir {
  public:
   TempDir() {
+    // mkdtemp(3) replaces the six letters X, which it demands, by a name of its own.
     std::string pattern = (std::filesystem::temp_directory_path() / "mauve-test-XXXXXX").string();
     if (mkdtemp(pattern.data()) == nullptr) {
       throw std::runtime_error("cannot make a directory for the test");

@@ -68,8 +68,8 @@ class Task {
   static constexpr Duration kHaltedJob = 2s;
 
   // --- [rt] -------------------------------------------------------------------------------------
-  /// What the boundary does ahead of the armed release, see Boundary::serve(). False: see
-  /// run_release().
+  /// Calls Boundary::serve(): the task takes changes and orders ahead of the armed release. False:
+  /// this thread was abandoned meanwhile.
   bool serve();
   [[nodiscard]] bool running() const { return context_.running; }
   /// When the next job is due (monotonic); only while running.

@@ -25,6 +25,15 @@ const Json kWhy = Json::parse(R"({"component": "control", "state": "faulted", "c
     "reason": "try it"}, "poisoned": ["world"], "quarantine": [],
   "hints": ["mauvectl start control --reset: again"]})");
 
+/// Of a component that runs and has not failed.
+Json without_failure() {
+  Json answer = kWhy;
+  answer["state"] = "running";
+  answer["failure"] = nullptr;
+  answer["missed"] = answer["overruns"] = 0;
+  return answer;
+}
+
 TEST(Why, IsAnsweredInAFewLines) {
   Json answer = kWhy;
   answer["records"] = Json::array({kLastRecord});
@@ -60,13 +69,10 @@ TEST(Why, DoesNotSayThatAStoppedComponentRunsAgain) {
 }
 
 TEST(Why, NothingFailedIsTwoLines) {
-  Json answer = kWhy;
-  answer["state"] = "running";
-  answer["failure"] = nullptr;
+  Json answer = without_failure();
   answer["change"] = nullptr;
   answer["kernel"] = nullptr;
   answer["poisoned"] = answer["hints"] = Json::array();
-  answer["missed"] = answer["overruns"] = 0;
 
   EXPECT_EQ(Scene({"why", "control"}, answer).outcome.out,
             "control: running, core g/gap; nothing failed since mauved began, "
@@ -75,9 +81,7 @@ TEST(Why, NothingFailedIsTwoLines) {
 }
 
 TEST(Why, AComponentThatIsLateDidNotFailButIsLate) {
-  Json answer = kWhy;
-  answer["state"] = "running";
-  answer["failure"] = nullptr;
+  Json answer = without_failure();
   answer["missed"] = 126;
   answer["overruns"] = 259;
   answer["over_budget"] = 253;
@@ -95,10 +99,7 @@ TEST(Why, AComponentThatIsLateDidNotFailButIsLate) {
 }
 
 TEST(Why, AComponentThatIsInTimeAndExceededItsBudgetSaysSo) {
-  Json answer = kWhy;
-  answer["state"] = "running";
-  answer["failure"] = nullptr;
-  answer["missed"] = answer["overruns"] = 0;
+  Json answer = without_failure();
   answer["over_budget"] = 1;
   answer["budget_ns"] = 2'000'000;
   answer["execution_max_ns"] = 8'000'000;
@@ -109,10 +110,7 @@ TEST(Why, AComponentThatIsInTimeAndExceededItsBudgetSaysSo) {
 }
 
 TEST(Why, TheProcessorTimeOfJobsWithinTheBudgetIsNotThatOfJobsOverIt) {
-  Json answer = kWhy;
-  answer["state"] = "running";
-  answer["failure"] = nullptr;
-  answer["missed"] = answer["overruns"] = 0;
+  Json answer = without_failure();
   answer["over_budget"] = 14;
   answer["unmeasured"] = 3;
   answer["budget_ns"] = 800'000;
