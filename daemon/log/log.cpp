@@ -21,6 +21,10 @@ void Log::add_sink(std::unique_ptr<Sink> sink) {
 }
 
 void Log::start() {
+  {
+    const MutexLock lock(mutex_);
+    started_ = true;
+  }
   thread_ = std::thread([this] {
     begin_thread(ThreadRole::log);
     run();
@@ -67,7 +71,7 @@ void Log::write(Record record) {
 
 void Log::flush() {
   MutexLock lock(mutex_);
-  if (!thread_.joinable()) {
+  if (!started_ || stopping_) {
     return;
   }
   // The round in progress may have drained its batch already: the one after it holds everything.

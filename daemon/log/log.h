@@ -87,6 +87,7 @@ class Log {
   std::uint64_t lost_ MAUVE_GUARDED_BY(mutex_) = 0;
   std::uint64_t rounds_ MAUVE_GUARDED_BY(mutex_) = 0;  ///< complete rounds of the [log] thread
   bool hurry_ MAUVE_GUARDED_BY(mutex_) = false;  ///< flush() waits: the next round begins at once
+  bool started_ MAUVE_GUARDED_BY(mutex_) = false;
   bool stopping_ MAUVE_GUARDED_BY(mutex_) = false;
   std::thread thread_;  ///< [log]; start() and stop() are called by one thread
 };
