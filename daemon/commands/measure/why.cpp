@@ -114,8 +114,9 @@ void add_next_steps(const Running& running, const std::string& name, const Failu
       break;
   }
   if (cause == exec::Cause::hung) {
-    hints.push_back("a job of it may run as long as its watchdog or ten budgets: mauvectl show " +
-                    name);
+    hints.push_back("mauvectl show " + name + ": its job is ended after " +
+                    format_duration(running.deployer.status(name).watchdog) +
+                    ", which `watchdog` in the file sets");
   }
   if (cause == exec::Cause::over_budget || cause == exec::Cause::overruns) {
     hints.push_back("mauvectl analyze: what its jobs take, and what they may");
