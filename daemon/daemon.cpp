@@ -16,8 +16,8 @@
 #include "commands/recovery/unproven.h"
 #include "mauve/host/architecture.h"
 #include "mauve/host/version.h"
-#include "monitor/heartbeat.h"
 #include "monitor/runtime_events.h"
+#include "monitor/service_status.h"
 #include "notify.h"
 #include "rt/thread/crash_handler.h"
 #include "start_warnings.h"
@@ -29,8 +29,6 @@ namespace {
 using logging::Event;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kStatusEvery{2'000};
-constexpr int kBeatsInAWatchdog = 4;
 constexpr Duration kComponentsMayTake = 2s;
 /// So much longer when their threads are not real-time: a loaded machine keeps such a thread
 /// waiting.
@@ -50,10 +48,6 @@ std::string random_id() {
     id += "0123456789abcdef"[random() % 16];
   }
   return id;
-}
-
-std::string counted(std::size_t count, const std::string& noun) {
-  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
 }  // namespace
@@ -88,7 +82,8 @@ int Daemon::run() {
     report_refusal(serving.error());
     return shut_down("a socket that cannot be served");
   }
-  return shut_down(signal ? *signal : wait_for_signal());
+  const auto in_io = [this](auto job) { server_->post(std::move(job)); };
+  return shut_down(signal ? *signal : serve_until_signal(*running_, signals_, in_io));
 }
 
 Status Daemon::open_log() {
@@ -229,7 +224,7 @@ Status Daemon::serve() {
   table_ = std::make_unique<CommandTable>(*running_);
   server_ = std::make_unique<server::Server>(
       server::ServerOptions{{}, server::machine_rules(), server::machine_rules}, *table_, log_);
-  const auto state = state_line();
+  const auto state = state_line(*running_);
   supervisor_.start(*running_);
   stopper_.start(*deployer_);
   control_.start();
@@ -269,56 +264,6 @@ void Daemon::keep_the_first() {
   store_->begin(first, described(*running_));
   begin_start(*running_, origin_.replaces, origin_.crashes);
   running_->recovered = origin_.generation;
-}
-
-/// Under a service manager this keeps the line of `systemctl status` true and informs the watchdog
-/// that all is well; without one it only waits.
-std::string Daemon::wait_for_signal() {
-  if (std::getenv("NOTIFY_SOCKET") == nullptr) {
-    return signals_.wait();
-  }
-  const auto watchdog = notify::watchdog();
-  Heartbeat heartbeat(*running_, [this](auto job) { server_->post(std::move(job)); });
-  bool well = true;
-  for (;;) {
-    const bool watched = watchdog.count() > 0;
-    const auto pause = std::chrono::ceil<milliseconds>(watchdog / kBeatsInAWatchdog);
-    if (auto signal = signals_.wait(watched ? std::min(pause, kStatusEvery) : kStatusEvery)) {
-      return *signal;
-    }
-    if (well) {
-      control_.read([this] { notify::status(state_line()); });
-    }
-    if (!watched) {
-      continue;
-    }
-    const auto wrong = heartbeat.look();
-    if (wrong.empty()) {
-      notify::alive();
-    } else {
-      notify::status("no sign of life is sent to the watchdog: " + wrong);
-    }
-    if (std::exchange(well, wrong.empty()) && !wrong.empty()) {
-      log_.write(Event::watchdog_silent, {{"text", wrong}});
-    }
-  }
-}
-
-std::string Daemon::state_line() const {
-  std::uint64_t missed = 0;
-  std::uint64_t overruns = 0;
-  std::size_t running = 0;
-  const auto all = deployer_->status();
-  for (const auto& one : all) {
-    missed += one.missed;
-    overruns += one.overruns;
-    running += one.state == ComponentState::running ? 1 : 0;
-  }
-  return architecture_->name() + " is running: " + std::to_string(running) + " of " +
-         counted(all.size(), "component") + ", generation " + std::to_string(running_->generation) +
-         (deployer_->on_probation() || !running_->places.empty() ? " on probation" : "") + ", " +
-         std::to_string(missed) + " missed, " + std::to_string(overruns) + " overruns" +
-         (deployer_->realtime() ? "" : ", NOT real time");
 }
 
 int Daemon::shut_down(const std::string& cause) {

@@ -50,12 +50,10 @@ class Daemon {
   Status deploy();
   Status serve();
   void keep_the_first();
-  [[nodiscard]] std::string wait_for_signal();
   [[nodiscard]] int shut_down(const std::string& cause);
   [[nodiscard]] std::vector<std::string> stop_components();
   void leave_by_force(const std::string& cause);
   void report_refusal(const Error& error);
-  [[nodiscard]] std::string state_line() const;  // [control], or [main] before that runs
 
   const Options options_;
   const std::vector<DecidingPath> deciding_;
