@@ -32,9 +32,10 @@ struct Factory::Shared {
     OnAbandoned on_abandoned;
   };
 
-  explicit Shared(std::function<void(Job)> its_go_on) : go_on(std::move(its_go_on)) {}
+  explicit Shared(std::function<void(Job)> its_on_control)
+      : on_control(std::move(its_on_control)) {}
 
-  const std::function<void(Job)> go_on;
+  const std::function<void(Job)> on_control;
   Mutex mutex;
   ConditionVariable wake;
   FairQueue<Piece> queue MAUVE_GUARDED_BY(mutex);
@@ -42,8 +43,8 @@ struct Factory::Shared {
   std::shared_ptr<Thread> serving;
 };
 
-Factory::Factory(std::function<void(Job)> go_on)
-    : shared_(std::make_shared<Shared>(std::move(go_on))) {}
+Factory::Factory(std::function<void(Job)> on_control)
+    : shared_(std::make_shared<Shared>(std::move(on_control))) {}
 
 Factory::~Factory() { stop(); }
 
@@ -116,7 +117,7 @@ void Factory::run(const std::shared_ptr<Shared>& shared, const std::shared_ptr<T
       unused = std::move(self->on_abandoned);
     }
     unused = nullptr;
-    shared->go_on(std::move(then));
+    shared->on_control(std::move(then));
   }
 }
 

@@ -33,8 +33,8 @@ class Factory {
   /// Called in place of the job that follows the work; its argument is the hook.
   using OnAbandoned = std::function<void(const std::string& hook)>;
 
-  /// `go_on` takes the job that follows a piece of work to [control].
-  explicit Factory(std::function<void(Job)> go_on);
+  /// `on_control` takes the job that follows a piece of work to [control].
+  explicit Factory(std::function<void(Job)> on_control);
   ~Factory();
   Factory(const Factory&) = delete;
   Factory& operator=(const Factory&) = delete;

@@ -243,7 +243,8 @@ void load_only(Running& running, const Call& call, Application& application) {
 }
 
 /// [control] The file is good, and compared.
-void go_on(Running& running, const CallPtr& call, ApplicationPtr application, Ticket ticket) {
+void apply_judged(Running& running, const CallPtr& call, ApplicationPtr application,
+                  Ticket ticket) {
   MAUVE_ON_THREAD(control);
   const auto state = state_policy(call->params);
   const auto sync = sync_of(call->params);
@@ -265,7 +266,7 @@ void go_on(Running& running, const CallPtr& call, ApplicationPtr application, Ti
 }
 
 /// [factory] makes its elements, then it is compared.
-void load_then_go_on(Running& running, const CallPtr& call, ApplicationPtr application,
+void load_then_apply(Running& running, const CallPtr& call, ApplicationPtr application,
                      Ticket ticket) {
   auto work = [application] { application->load(); };
   auto then = [&running, call, application = std::move(application),
@@ -275,7 +276,7 @@ void load_then_go_on(Running& running, const CallPtr& call, ApplicationPtr appli
       return free_in_factory(running, std::move(application), std::move(ticket));
     }
     application->compare();
-    go_on(running, call, std::move(application), std::move(ticket));
+    apply_judged(running, call, std::move(application), std::move(ticket));
   };
   running.control.in_factory(std::move(work), std::move(then),
                              [&running, call](const std::string& hook) {
@@ -298,7 +299,7 @@ void apply_architecture(Running& running, const CallPtr& call, Ticket ticket, st
       std::make_shared<Application>(running, std::move(text), flag(call->params, "dry_run"));
   try_out(running, call, question, text_or(call->params, "file", "text"),
           [&running, call, application, ticket = std::move(ticket)] {
-            load_then_go_on(running, call, application, ticket);
+            load_then_apply(running, call, application, ticket);
           });
 }
 

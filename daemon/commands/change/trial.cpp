@@ -11,11 +11,11 @@
 namespace mauve::daemon {
 
 void try_out(Running& running, const CallPtr& call, const Question& question, const std::string& at,
-             std::function<void()> go_on) {
+             std::function<void()> then) {
   MAUVE_ON_THREAD(control);
-  running.judge_change(question, [&running, call, at, go_on = std::move(go_on)](Result<Json> made) {
+  running.judge_change(question, [&running, call, at, then = std::move(then)](Result<Json> made) {
     if (made) {
-      return go_on();
+      return then();
     }
     if (made.error().at == kWholeFile) {
       made.error().at = at;

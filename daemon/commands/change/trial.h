@@ -10,12 +10,12 @@
 namespace mauve::daemon {
 
 /// [control] Has a process of its own make all that `question` names. If that process gives its
-/// verdict, `go_on` is called on [control], also if the verdict names errors: the change finds them
+/// verdict, `then` is called on [control], also if the verdict names errors: the change finds them
 /// again. If code of a plugin crashes, hangs or ends the process, the call is answered with a
 /// refusal, and mauved is unaffected. `at`: the file or plugin that a refusal names if it names no
 /// nearer place.
 void try_out(Running& running, const CallPtr& call, const Question& question, const std::string& at,
-             std::function<void()> go_on);
+             std::function<void()> then);
 
 /// A file that names this plugin and nothing else.
 [[nodiscard]] Question question_of_plugin(const std::string& name);

@@ -26,7 +26,7 @@ bool ends_a_probation(const Outcome& outcome) {
 }
 
 /// The former build has its names again. Returns the code that loses them.
-Former::Leaving give_back(Running& running, plugin::LoadedPlugin former) {
+Former::Leaving restore_names(Running& running, plugin::LoadedPlugin former) {
   const auto info = former.info();
   auto failed = running.catalog.exchange(std::move(former));
   if (!failed || !*failed) {
@@ -84,7 +84,7 @@ void let_former_go(Running& running, const Outcome& outcome) {
     one = kept.erase(one);
     Former::Leaving leaving{former.library(), {}, "replaced by a new one, which has proved itself"};
     if (outcome.kind == Outcome::Kind::rolled_back) {
-      leaving = give_back(running, std::move(former));
+      leaving = restore_names(running, std::move(former));
     }
     leaving.since = std::chrono::steady_clock::now();
     if (leaving.library != nullptr) {

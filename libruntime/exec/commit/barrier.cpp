@@ -137,7 +137,7 @@ void Barrier::part() {
   std::vector<Member> leaving;
   for (std::size_t i = 0; i < gathered_.size(); ++i) {
     if (!gathering_->members()[i].in_force) continue;
-    leaving.push_back(member_at(*gathered_[i], TaskUpdate::Barrier::go_on, number_));
+    leaving.push_back(member_at(*gathered_[i], TaskUpdate::Barrier::resume, number_));
   }
   parting_ =
       std::make_unique<TwoPhaseCommit>(std::move(leaving), std::vector<ResourceMember>{},
@@ -209,10 +209,10 @@ const Deployed* Barrier::halted() const {
   return found == gathered_.end() ? nullptr : *found;
 }
 
-std::vector<Member> Barrier::go_on() const {
+std::vector<Member> Barrier::resume() const {
   std::vector<Member> members;
   for (const Bystander& one : bystanders_) {
-    members.push_back(member_at(*one.deployed, TaskUpdate::Barrier::go_on, number_));
+    members.push_back(member_at(*one.deployed, TaskUpdate::Barrier::resume, number_));
   }
   return members;
 }

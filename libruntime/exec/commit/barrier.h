@@ -10,7 +10,7 @@
 ///   `  hand over; publish the new bundles`
 ///   `  as an order at tc2 ---------------> take it; first release >= tc2, on the grid as it was`
 ///   `a member does not come in time`
-///   `  publish 'go_on' ------------------> the same, with the bundle it runs with`
+///   `  publish 'resume' -----------------> the same, with the bundle it runs with`
 ///
 /// Bystanders, which reach a resource of the change only through another one, wait and go on too.
 #pragma once
@@ -53,7 +53,7 @@ class Barrier {
   /// off.
   bool hand_over(const std::vector<PreparedResource>& changed);
   /// The members that let the bystanders go on together with the members of the change.
-  [[nodiscard]] std::vector<Member> go_on() const;
+  [[nodiscard]] std::vector<Member> resume() const;
   /// The bystanders may take part in other changes again.
   void end();
 

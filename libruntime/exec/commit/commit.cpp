@@ -294,7 +294,7 @@ void Commit::publish(TwoPhaseCommit::Kind kind, Duration longest_job) {
   std::vector<Member> members;
   for (std::size_t i = 0; i < deployed_.size(); ++i) members.push_back(forth(i, *deployed_[i]));
   if (barrier_ != nullptr) {
-    for (Member& bystander : barrier_->go_on()) members.push_back(std::move(bystander));
+    for (Member& bystander : barrier_->resume()) members.push_back(std::move(bystander));
   }
   swap_ = std::make_unique<TwoPhaseCommit>(std::move(members), resource_members(), *system_.runner,
                                            longest_job, kind, before_);

@@ -56,9 +56,9 @@ bool ResourceUpdate::apply(Instant release) {
   if (state() == State::in_force || state() == State::dropped) return true;
   if (release == 0) return false;
   // The coordinator is late: the first caller at the instant aborts the change for all.
-  const Decision::Verdict verdict = decision_.meet(release);
-  if (verdict == Decision::Verdict::go_on) return false;
-  const bool aborted = verdict == Decision::Verdict::give_back;
+  const Decision::Verdict verdict = decision_.at_boundary(release);
+  if (verdict == Decision::Verdict::not_yet) return false;
+  const bool aborted = verdict == Decision::Verdict::aborted;
   State expected = State::waiting;
   const State wanted = aborted ? State::dropped : State::taking;
   if (!state_.compare_exchange_strong(expected, wanted, std::memory_order_acq_rel)) return true;
@@ -79,14 +79,14 @@ void ResourceUpdate::take() {
     bytes_ = failed ? 0 : hand_over_.bytes;
   }
   for (const auto& [into, from] : observables_) into->continue_from(*from);
-  meet();
+  switch_callers();
   pause_ = Duration{MonotonicClock().now() - begin};
   state_.store(State::in_force, std::memory_order_release);
 }
 
 /// Users must not see half a state: the resource refuses them, as after a caller crashed in it.
-void ResourceUpdate::meet() {
-  resource_.meet(parts_.core, parts_.bindings);
+void ResourceUpdate::switch_callers() {
+  resource_.switch_to(parts_.core, parts_.bindings);
   if (failed_) resource_.lock().poison();
   if (parts_.core != nullptr) resource_.lock().forget_times();
 }
@@ -97,7 +97,7 @@ void ResourceUpdate::finish_for_abandoned() {
   if (state() != State::taking || !resource_.lock().poisoned()) return;
   if (!converting_.exchange(false)) return;
   failed_ = lost_ = true;
-  meet();
+  switch_callers();
   state_.store(State::in_force, std::memory_order_release);
 }
 

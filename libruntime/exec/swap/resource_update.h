@@ -67,7 +67,7 @@ class ResourceUpdate final : public PendingUpdate {
 
  private:
   void take();
-  void meet();
+  void switch_callers();
   void finish_for_abandoned();
 
   ResourceBase& resource_;

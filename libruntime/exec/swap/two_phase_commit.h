@@ -10,7 +10,7 @@
 ///     Aborted: it gives the update back.
 ///     Committed, r >= tc, and r is not due: it takes the update, and answers.
 ///
-///   member [rt], in Boundary::meet(), when r is due:
+///   member [rt], in Boundary::cross(), when r is due:
 ///     r < tc: the job of r is old.
 ///     r >= tc, not committed: CAS prepared -> aborted, the update goes back, the job of r is old.
 ///     r >= tc, committed: it takes the update, runs the job of r, and answers.

@@ -20,7 +20,7 @@ bool ModelLock::take(bool waits) {
   return true;
 }
 
-void ModelLock::give_back() {
+void ModelLock::unlock() {
   {
     const MutexLock lock(mutex_);
     if (owner_ != AbandonableThread::here()) return;  // it was abandoned, and another one has it

@@ -19,7 +19,7 @@ class ModelLock {
     Hold(ModelLock& lock, std::try_to_lock_t /*does not wait*/)
         : lock_(lock), held_(lock.take(false)) {}
     ~Hold() {
-      if (held_) lock_.give_back();
+      if (held_) lock_.unlock();
     }
     Hold(const Hold&) = delete;
     Hold& operator=(const Hold&) = delete;
@@ -33,7 +33,7 @@ class ModelLock {
 
  private:
   [[nodiscard]] bool take(bool waits);
-  void give_back();
+  void unlock();
 
   Mutex mutex_;
   ConditionVariable freed_;

@@ -36,7 +36,7 @@ Instant next_on_grid(Instant base, Duration step, Instant instant) {
 }  // namespace
 
 /// May the task take the update ahead of its armed release? The update must be committed, and the
-/// release at or after its instant. A task whose release is due takes the update in meet().
+/// release at or after its instant. A task whose release is due takes the update in cross().
 bool Boundary::is_early(const TaskUpdate& next) const {
   const Decision& decision = *next.decision;
   if (decision.state() != Decision::State::committed || !decision.has_instant()) return false;
@@ -71,12 +71,12 @@ bool Boundary::take_early(TaskUpdate& next, Instant begin) {
   return true;
 }
 
-bool Boundary::meet(Instant now) {
+bool Boundary::cross(Instant now) {
   TaskUpdate* const next = task_.mailbox.pending();
   if (next != nullptr) {
     // The coordinator is late: a member at its instant decides for all that nothing happens.
-    const Decision::Verdict verdict = next->decision->meet(task_.release);
-    if (verdict == Decision::Verdict::give_back) give_back(*next);
+    const Decision::Verdict verdict = next->decision->at_boundary(task_.release);
+    if (verdict == Decision::Verdict::aborted) give_back(*next);
     const bool takes = verdict == Decision::Verdict::take && task_.mailbox.claim(*next);
     if (takes && !take(*next, now)) return false;
   }
@@ -90,7 +90,7 @@ bool Boundary::meet(Instant now) {
 TaskUpdate* Boundary::claim_takeover() {
   TaskUpdate* const back = task_.mailbox.back();
   const bool goes_back =
-      back != nullptr && back->decision->meet(task_.release) == Decision::Verdict::take;
+      back != nullptr && back->decision->at_boundary(task_.release) == Decision::Verdict::take;
   if (goes_back && task_.mailbox.claim_rollback(*back)) return back;
   if (!task_.failed || faults_.may_roll_back() || task_.failed.is_hopeless()) return nullptr;
   TaskUpdate* const standby = task_.mailbox.standby();
@@ -138,7 +138,7 @@ void Boundary::touch(const TaskUpdate& next) const {
 MAUVE_RUNS_AT_A_SWAP bool Boundary::take(TaskUpdate& next, Instant begin) {
   acknowledge();  // of a change that is overtaken at the same boundary
   record_applied(next, begin);
-  if (next.barrier != TaskUpdate::Barrier::none) return wait_or_go_on(next), true;
+  if (next.barrier != TaskUpdate::Barrier::none) return wait_or_resume(next), true;
   if (next.mode_only) keep_bundle(next);
   const bool waited = std::exchange(task_.waiting, false);
   task_.running = task_.running || waited;
@@ -214,7 +214,7 @@ void Boundary::finish_taking() {
 }
 
 /// Lets a running task wait, and a waiting one go on. Other tasks are not affected.
-void Boundary::wait_or_go_on(TaskUpdate& step) {
+void Boundary::wait_or_resume(TaskUpdate& step) {
   if (step.barrier == TaskUpdate::Barrier::wait) {
     task_.waiting = std::exchange(task_.running, false);
   } else if (std::exchange(task_.waiting, false)) {

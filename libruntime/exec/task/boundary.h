@@ -27,15 +27,16 @@ class Boundary {
   /// Between jobs, ahead of the armed release: gives an aborted update back. Takes a committed
   /// update or rollback if the release is at or after its instant and not due, or if the task
   /// does not run. Obeys a direct stop. Parks the task if its core failed and nothing can recover
-  /// it. False: see meet().
+  /// it. False: see cross().
   [[nodiscard]] bool serve();
   /// The boundary before the job that is due. False: this thread was abandoned meanwhile, and has
   /// no part in the task any more.
-  [[nodiscard]] bool meet(Instant now);
+  [[nodiscard]] bool cross(Instant now);
   /// With `on_overrun` skip only the newest of the releases that passed runs; the grid is kept.
   void drop_missed(Instant now);
-  /// Answers the coordinator. An update that serve() took is answered at once. One that meet() took
-  /// is answered after the outputs of the job that was due, so that the answer costs them nothing.
+  /// Answers the coordinator. An update that serve() took is answered at once. One that cross()
+  /// took is answered after the outputs of the job that was due, so that the answer costs them
+  /// nothing.
   void acknowledge();
   /// The first call on a thread that replaces one abandoned in a converter: the update is in force.
   void finish_taking();
@@ -45,14 +46,14 @@ class Boundary {
  private:
   [[nodiscard]] bool is_early(const TaskUpdate& next) const;
   [[nodiscard]] TaskUpdate* claim_takeover();
-  /// `begin`: when the job that the change delays would have begun. False: see meet().
+  /// `begin`: when the job that the change delays would have begun. False: see cross().
   [[nodiscard]] bool take(TaskUpdate& next, Instant begin);
   [[nodiscard]] bool take_early(TaskUpdate& next, Instant begin);
   void record_applied(const TaskUpdate& next, Instant time);
   void touch(const TaskUpdate& next) const;
   [[nodiscard]] bool take_state(TaskUpdate& next);
   void take_rest(TaskUpdate& next);
-  void wait_or_go_on(TaskUpdate& step);
+  void wait_or_resume(TaskUpdate& step);
   Duration skip_gap(Instant until);
   void keep_bundle(TaskUpdate& next) const;
   void put_in_place(TaskUpdate& next);

@@ -13,7 +13,7 @@ unsigned count(std::uint64_t jobs, std::uint64_t window) {
 
 }  // namespace
 
-Evidence::Verdict Evidence::judge(const JobTiming& job, const Rules& rules) {
+Evidence::Verdict Evidence::weigh(const JobTiming& job, const Rules& rules) {
   sum_ = std::max(0, sum_ + (job.over_budget ? kWeight : -1));
   too_long_ = too_long_ << 1U | (job.too_long ? 1U : 0U);
   note(job.late);

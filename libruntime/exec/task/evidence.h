@@ -70,7 +70,7 @@ class Evidence {
   void note(bool late) { late_ = late_ << 1U | (late ? 1U : 0U); }
   /// A job on probation. Of the budget it is the cumulative sum test of E. S. Page, Continuous
   /// inspection schemes, Biometrika 41 (1954).
-  [[nodiscard]] Verdict judge(const JobTiming& job, const Rules& rules);
+  [[nodiscard]] Verdict weigh(const JobTiming& job, const Rules& rules);
   /// There is evidence, not yet enough for a verdict.
   [[nodiscard]] bool suspicious(const Rules& rules) const {
     return sum_ > 0 || (too_long_ & rules.window) != 0;

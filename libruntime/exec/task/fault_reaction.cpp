@@ -29,7 +29,7 @@ bool FaultReaction::awaits_rollback() const {
          next->decision->state() == Decision::State::committed;
 }
 
-void FaultReaction::judge(const JobUse& job) {
+void FaultReaction::check_on_probation(const JobUse& job) {
   FaultRecord& fault = task_.report.fault();
   if (const PortBase* port = this_job().implausible) {
     copy_text(fault.text, port->name());
@@ -38,8 +38,8 @@ void FaultReaction::judge(const JobUse& job) {
   }
   const TaskUpdate& current = *task_.current;
   const Evidence::Rules rules{current.tolerated, current.window};
-  const JobTiming timing = task_.meter.judge(job, current.bundle->task, task_.wait);
-  const Evidence::Verdict verdict = task_.evidence.judge(timing, rules);
+  const JobTiming timing = task_.meter.timing_of(job, current.bundle->task, task_.wait);
+  const Evidence::Verdict verdict = task_.evidence.weigh(timing, rules);
   task_.report.counters().suspected.store(task_.evidence.suspicious(rules),
                                           std::memory_order_relaxed);
   if (verdict == Evidence::Verdict::none) return;

@@ -34,7 +34,7 @@ class FaultReaction {
   void pass_release();
   /// Judges a job on probation that did not fail. Implausible values, or enough evidence that the
   /// core takes too long, trigger the rollback.
-  void judge(const JobUse& job);
+  void check_on_probation(const JobUse& job);
   /// Triggers the rollback of the change, if the task is on probation.
   void trigger_rollback();
   /// After too many late jobs: `on_overrun` stop parks the task with its safe values written, and

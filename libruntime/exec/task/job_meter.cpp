@@ -23,7 +23,7 @@ Duration longest_span(const TaskAttributes& task, Duration wait) {
 JobMeter::JobMeter(const Clock* simulated, std::shared_ptr<const rt::Noise> noise)
     : simulated_(simulated), noise_(std::move(noise)) {}
 
-void JobMeter::begin(rt::JobTimes& times, Instant start, Duration lateness, bool judged,
+void JobMeter::begin(rt::JobTimes& times, Instant start, Duration lateness, bool on_probation,
                      bool has_budget) {
   times_ = &times;
   if (times.since.load(std::memory_order_relaxed) == 0) {
@@ -34,13 +34,13 @@ void JobMeter::begin(rt::JobTimes& times, Instant start, Duration lateness, bool
   // It counts without a budget: there measured times stand in for it, and the longest job may be
   // just the preempted one. It counts after a preempted job, as the next one may be preempted as
   // well.
-  const bool ask = judged || !has_budget || (preempted_ && rt::preemption_is_reported());
+  const bool ask = on_probation || !has_budget || (preempted_ && rt::preemption_is_reported());
   cpu_before_ = ask && simulated_ == nullptr ? rt::cpu_time() : Duration{0};
-  waits_before_ = judged && simulated_ == nullptr ? rt::waits_so_far() : kUnknown;
+  waits_before_ = on_probation && simulated_ == nullptr ? rt::waits_so_far() : kUnknown;
   rt::watch_for_preemption();
 }
 
-std::optional<Duration> JobMeter::end(const JobUse& job, bool preempted, bool judged,
+std::optional<Duration> JobMeter::end(const JobUse& job, bool preempted, bool on_probation,
                                       Counters& counters) {
   const Instant took = job.end - job.start;
   preempted_ = preempted;
@@ -51,7 +51,7 @@ std::optional<Duration> JobMeter::end(const JobUse& job, bool preempted, bool ju
   }
   std::optional<Duration> used;
   if (!preempted || simulated_ != nullptr) used = Duration{took};
-  if (simulated_ == nullptr && cpu_before_ > Duration{0} && (preempted || judged)) {
+  if (simulated_ == nullptr && cpu_before_ > Duration{0} && (preempted || on_probation)) {
     const Duration on_processor = rt::cpu_time() - cpu_before_;
     used = used ? std::min(*used, on_processor) : on_processor;
   }
@@ -79,7 +79,7 @@ bool JobMeter::took_long(const JobUse& job, Duration limit) const {
   return took - 2 * held_up_since(job.released) > limit;
 }
 
-JobTiming JobMeter::judge(const JobUse& job, const TaskAttributes& task, Duration wait) {
+JobTiming JobMeter::timing_of(const JobUse& job, const TaskAttributes& task, Duration wait) {
   const Duration excused = excuse(job.released, job.end);
   const Duration used = std::max(job.used.value_or(Duration{0}) - excused, Duration{0});
   JobTiming timing;

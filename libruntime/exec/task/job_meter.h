@@ -28,15 +28,16 @@ class JobMeter {
   JobMeter(const Clock* simulated, std::shared_ptr<const rt::Noise> noise);
 
   /// A job begins; its times are added to `times`. Its processor time is read where it is needed:
-  /// `judged`, since the job is on probation, or without a budget.
-  void begin(rt::JobTimes& times, Instant start, Duration lateness, bool judged, bool has_budget);
+  /// `on_probation`, or without a budget.
+  void begin(rt::JobTimes& times, Instant start, Duration lateness, bool on_probation,
+             bool has_budget);
   /// The job ended. Returns the processor time of the job itself, without the threads that
   /// preempted it and without the time that the host reports as stolen. None: the job was
   /// preempted, and its processor time was not read.
-  [[nodiscard]] std::optional<Duration> end(const JobUse& job, bool preempted, bool judged,
+  [[nodiscard]] std::optional<Duration> end(const JobUse& job, bool preempted, bool on_probation,
                                             Counters& counters);
   /// The timing that the core is judged by. `wait`: from its release to the next one.
-  [[nodiscard]] JobTiming judge(const JobUse& job, const TaskAttributes& task, Duration wait);
+  [[nodiscard]] JobTiming timing_of(const JobUse& job, const TaskAttributes& task, Duration wait);
   /// Did the job take longer than this while the machine ran? Where its processor time is not
   /// known, the time from start to end stands in for it, but only where a probe saw the machine
   /// run.

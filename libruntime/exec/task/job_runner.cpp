@@ -173,9 +173,9 @@ FsmState* JobRunner::run_states(JobEnd& job) {
 void JobRunner::account(Instant start, const JobEnd& job) {
   const TaskAttributes& attributes = task_.current->bundle->task;
   Counters& counters = task_.report.counters();
-  const bool judged = task_.mailbox.on_probation();
+  const bool on_probation = task_.mailbox.on_probation();
   JobUse use{task_.release, start, job.at, Duration{0}, {}};
-  use.used = task_.meter.end(use, job.preempted, judged, counters);
+  use.used = task_.meter.end(use, job.preempted, on_probation, counters);
   task_.wait = task_.state->duration();
   task_.arm(use.released + task_.wait.count());
   counters.execution_last.store(use.end - start, std::memory_order_relaxed);
@@ -192,7 +192,7 @@ void JobRunner::account(Instant start, const JobEnd& job) {
   if (late) count_overrun(use);
   if (task_.evidence.count_late(late, attributes.overrun_limit)) faults_.react_to_overruns();
   if (task_.mailbox.on_probation()) {
-    faults_.judge(use);
+    faults_.check_on_probation(use);
   } else {
     task_.evidence.note(late);
   }

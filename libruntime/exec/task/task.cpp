@@ -78,7 +78,7 @@ bool Task::run_release() {
   if (prefetch_set != nullptr) prefetch_set->prefetch();
   const Instant now = context_.clock.now();
   boundary_.drop_missed(now);
-  if (!boundary_.meet(now)) return false;
+  if (!boundary_.cross(now)) return false;
   if (context_.running && context_.release <= now) {
     if (context_.failed) {
       faults_.pass_release();

@@ -33,7 +33,7 @@ class Decision {
   enum class State : std::uint32_t { prepared, committed, aborted };
 
   /// The reaction of a member at a boundary.
-  enum class Verdict : std::uint8_t { go_on, give_back, take };
+  enum class Verdict : std::uint8_t { not_yet, aborted, take };
 
   explicit Decision(Instant instant, State state = State::prepared)
       : instant_(instant), state_(state) {}
@@ -50,13 +50,13 @@ class Decision {
   }
   /// The verdict for a member at this release. A member that comes to the instant before the
   /// decision aborts the change for all. [any]
-  Verdict meet(Instant release) {
-    if (release < instant()) return Verdict::go_on;
+  Verdict at_boundary(Instant release) {
+    if (release < instant()) return Verdict::not_yet;
     if (decide(State::aborted) == State::aborted) {
-      return tries_again_ ? Verdict::go_on : Verdict::give_back;
+      return tries_again_ ? Verdict::not_yet : Verdict::aborted;
     }
     // The first comparison may have met the instant of an earlier attempt, which was aborted.
-    return release < instant() ? Verdict::go_on : Verdict::take;
+    return release < instant() ? Verdict::not_yet : Verdict::take;
   }
   /// It is aborted, and there is no other attempt.
   [[nodiscard]] bool is_final_abort() const { return !tries_again_ && state() == State::aborted; }

@@ -33,9 +33,9 @@ enum class AppliedAs : std::uint8_t { change, back, standby, barrier };
 /// All that a change hands to one task: the new bundle, and the data that lets the task take it
 /// with a few pointer stores. After publication only the side that has claimed it may write it.
 struct TaskUpdate {
-  /// At a barrier, `wait` suspends the task: it runs no job from the instant on. `go_on`, or the
+  /// At a barrier, `wait` suspends the task: it runs no job from the instant on. `resume`, or the
   /// next change, resumes it. The task keeps its bundle, and is not seen to be stopped.
-  enum class Barrier : std::uint8_t { none, wait, go_on };
+  enum class Barrier : std::uint8_t { none, wait, resume };
 
   std::shared_ptr<const Bundle> bundle;  ///< null: an update of a barrier
   Decision* decision = nullptr;

@@ -26,10 +26,10 @@ class InterfaceBase : public Configurable {
   /// Runtime only, once.
   void bind(ResourceBase& resource, std::shared_ptr<CoreBase> core) {
     resource_ = &resource;
-    meet(std::move(core));
+    switch_to(std::move(core));
   }
   /// Runtime only, under the lock of the resource: the next callers meet this core.
-  void meet(std::shared_ptr<CoreBase> core) {
+  void switch_to(std::shared_ptr<CoreBase> core) {
     core_.store(core.get(), std::memory_order_release);
     kept_ = std::move(core);
   }

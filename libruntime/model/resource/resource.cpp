@@ -70,10 +70,10 @@ Status ResourceBase::disconnect(std::string_view port) {
   return table ? rebind(*std::move(table)) : table.error();
 }
 
-void ResourceBase::meet(const std::shared_ptr<CoreBase>& core,
-                        const std::shared_ptr<const Bindings>& bindings) {
+void ResourceBase::switch_to(const std::shared_ptr<CoreBase>& core,
+                             const std::shared_ptr<const Bindings>& bindings) {
   if (core != nullptr) {
-    interface_->meet(core);
+    interface_->switch_to(core);
     lock_.clear_poison();
   }
   if (bindings != nullptr && configured_) shell_->use(bindings.get());

@@ -19,11 +19,11 @@ constexpr int kMany = 100'000;
 
 class EvidenceTest : public testing::Test {
  protected:
-  Verdict judge(const JobTiming& job) { return evidence.judge(job, rules); }
+  Verdict weigh(const JobTiming& job) { return evidence.weigh(job, rules); }
   /// After how many jobs like these, in turn, there is a verdict; kMany: not within so many.
   int jobs_until(Verdict verdict, const std::vector<JobTiming>& jobs) {
     for (int i = 0; i < kMany; ++i) {
-      const Verdict found = judge(jobs[static_cast<std::size_t>(i) % jobs.size()]);
+      const Verdict found = weigh(jobs[static_cast<std::size_t>(i) % jobs.size()]);
       if (found == verdict) return i + 1;
       EXPECT_EQ(found, Verdict::none);
     }
@@ -39,7 +39,7 @@ class EvidenceTest : public testing::Test {
       Evidence fresh;
       bool found = false;
       for (int job = 0; job < 3000 && !found; ++job) {
-        found = fresh.judge(exceeds(random) ? kOverBudget : kSound, {}) != Verdict::none;
+        found = fresh.weigh(exceeds(random) ? kOverBudget : kSound, {}) != Verdict::none;
       }
       blamed += found ? 1 : 0;
     }
@@ -105,7 +105,7 @@ TEST_F(EvidenceTest, DoesNotCallACoreStarvedThatWasLateAsOftenBeforeTheChange) {
   one_of_five([this](bool late) { evidence.note(late); });
   evidence.begin_anew(true);
 
-  one_of_five([this](bool late) { ASSERT_EQ(judge(late ? kHeldUp : kSound), Verdict::none); });
+  one_of_five([this](bool late) { ASSERT_EQ(weigh(late ? kHeldUp : kSound), Verdict::none); });
 
   evidence.begin_anew(false);
   EXPECT_LE(jobs_until(Verdict::overruns, {kHeldUp}), 64) << "more often than before";
@@ -113,10 +113,10 @@ TEST_F(EvidenceTest, DoesNotCallACoreStarvedThatWasLateAsOftenBeforeTheChange) {
 
 TEST_F(EvidenceTest, IsSuspiciousUntilSoundJobsSpeakForTheCore) {
   EXPECT_FALSE(evidence.suspicious(rules));
-  static_cast<void>(judge(kOverBudget));
+  static_cast<void>(weigh(kOverBudget));
   EXPECT_TRUE(evidence.suspicious(rules));
-  static_cast<void>(judge(kSound));
-  static_cast<void>(judge(kSound));
+  static_cast<void>(weigh(kSound));
+  static_cast<void>(weigh(kSound));
   EXPECT_FALSE(evidence.suspicious(rules));
 }
 

@@ -35,13 +35,13 @@ class RollbackTrigger : public testing::Test {
 };
 
 TEST_F(RollbackTrigger, LeadsAllBackFromOneInstantOn) {
-  EXPECT_EQ(back.decision().meet(clock.time), Verdict::go_on);
+  EXPECT_EQ(back.decision().at_boundary(clock.time), Verdict::not_yet);
   ASSERT_TRUE(trigger());
 
   EXPECT_TRUE(back.decided());
   EXPECT_EQ(instant(), clock.time + 200'000);
-  EXPECT_EQ(back.decision().meet(instant() - 1), Verdict::go_on);
-  EXPECT_EQ(back.decision().meet(instant()), Verdict::take);
+  EXPECT_EQ(back.decision().at_boundary(instant() - 1), Verdict::not_yet);
+  EXPECT_EQ(back.decision().at_boundary(instant()), Verdict::take);
   EXPECT_FALSE(trigger()) << "once";
 }
 
@@ -51,25 +51,25 @@ TEST_F(RollbackTrigger, MovesTheInstantThatPassedBeforeTheDecision) {
     if (look != 2 && look != 4) return;
     clock.time += 1'000'000;  // the instant is chosen, but not yet decided
     passed.push_back(instant());
-    EXPECT_EQ(back.decision().meet(instant()), Verdict::go_on) << "nobody goes back alone";
+    EXPECT_EQ(back.decision().at_boundary(instant()), Verdict::not_yet) << "nobody goes back alone";
   };
   ASSERT_TRUE(trigger());
 
   ASSERT_EQ(passed.size(), 2u);
   EXPECT_GT(instant(), clock.time);
-  EXPECT_EQ(back.decision().meet(passed[1]), Verdict::go_on);
-  EXPECT_EQ(back.decision().meet(instant()), Verdict::take);
+  EXPECT_EQ(back.decision().at_boundary(passed[1]), Verdict::not_yet);
+  EXPECT_EQ(back.decision().at_boundary(instant()), Verdict::take);
 }
 
 TEST_F(RollbackTrigger, MovesAnInstantThatAMemberCameToFirst) {
   clock.at_look = [&](int look) {
     if (look != 2) return;
-    EXPECT_EQ(back.decision().meet(instant()), Verdict::go_on);
+    EXPECT_EQ(back.decision().at_boundary(instant()), Verdict::not_yet);
   };
   ASSERT_TRUE(trigger());
 
   EXPECT_EQ(clock.looks, 4) << "the first attempt was aborted";
-  EXPECT_EQ(back.decision().meet(instant()), Verdict::take);
+  EXPECT_EQ(back.decision().at_boundary(instant()), Verdict::take);
 }
 
 TEST_F(RollbackTrigger, EndsHoweverOftenItIsHeldUp) {
@@ -78,7 +78,7 @@ TEST_F(RollbackTrigger, EndsHoweverOftenItIsHeldUp) {
 
   EXPECT_LT(clock.looks, 20);
   EXPECT_GT(instant(), clock.time);
-  EXPECT_EQ(back.decision().meet(instant()), Verdict::take);
+  EXPECT_EQ(back.decision().at_boundary(instant()), Verdict::take);
 }
 
 TEST_F(RollbackTrigger, AndANewerChangeExcludeEachOther) {

@@ -61,7 +61,8 @@ class ResourceBase {
   /// Runtime only, under the lock: callers meet this core and these connections from now on; null:
   /// as before. The interface keeps its services. The model keeps the core and the connections
   /// before alive until install(). [any]
-  void meet(const std::shared_ptr<CoreBase>& core, const std::shared_ptr<const Bindings>& bindings);
+  void switch_to(const std::shared_ptr<CoreBase>& core,
+                 const std::shared_ptr<const Bindings>& bindings);
   /// Runtime only: the model shows from now on the elements that callers meet. [control]
   void install(std::shared_ptr<CoreBase> core, std::shared_ptr<const Bindings> bindings);
   /// The core that callers meet.
