@@ -18,7 +18,7 @@ std::string_view to_string(Source source) {
 }
 
 std::string name(const Vertex& vertex) {
-  std::string text = (vertex.from.empty() ? "start" : vertex.from) + " -> " + vertex.to;
+  std::string text = "from " + (vertex.from.empty() ? "start" : vertex.from) + " to " + vertex.to;
   switch (vertex.part) {
     case Part::steady:
       break;

@@ -40,7 +40,7 @@ struct Vertex {
   bool operator==(const Vertex&) const = default;
 };
 
-/// "pace -> settle", "start -> idle", "pace -> pace (new)"
+/// "from pace to settle", "from start to idle", "from pace to pace (new)"
 [[nodiscard]] std::string name(const Vertex& vertex);
 
 /// After a job `from`, a job `to` may be released, `separation` or more after `from` was.

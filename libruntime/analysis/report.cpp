@@ -57,11 +57,12 @@ Problem late(const TaskReport& task, const JobReport& job) {
                               ? "may never end"
                               : "may end " + above(job.response) + " after its release";
   const std::string aside = what_to_declare(task.guessed);
-  return {Problem::Kind::late,
-          refuse({Errc::limit, "deadline_not_met"}, task.name,
-                 "job " + name(job.job) + " " + end + ", its deadline is " + below(job.deadline),
-                 what_would_pass(job) + aside),
-          aside};
+  return {
+      Problem::Kind::late,
+      refuse({Errc::limit, "deadline_not_met"}, task.name,
+             "its job " + name(job.job) + " " + end + ", its deadline is " + below(job.deadline),
+             what_would_pass(job) + aside),
+      aside};
 }
 
 void find(const TaskReport& task, std::vector<Problem>& found) {

@@ -127,7 +127,7 @@ TEST(WarningAdmission, AppliesTheSameSwapAndSaysSoInTheAnswer) {
   const Json receipt = daemon.ask("core.swap", swap_with_budget("3ms"));
 
   EXPECT_EQ(receipt["state"], "applied") << receipt;
-  EXPECT_THAT(receipt["warnings"].dump(), HasSubstr("first: job"));
+  EXPECT_THAT(receipt["warnings"].dump(), HasSubstr("first: its job"));
 }
 
 }  // namespace

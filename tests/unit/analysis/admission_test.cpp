@@ -37,7 +37,7 @@ TEST(Analyze, NamesTheTaskThatIsLateAndWhatWouldPass) {
   EXPECT_EQ(problem.kind, Problem::Kind::late);
   EXPECT_EQ(problem.error.at, "control");
   EXPECT_EQ(problem.error.message,
-            "job period -> period may end 20ms after its release, its deadline is 15ms");
+            "its job from period to period may end 20ms after its release, its deadline is 15ms");
   EXPECT_EQ(problem.error.hint, "a deadline of 20ms or an execution time of 3ms would pass");
 }
 

@@ -34,29 +34,30 @@ TEST(Machine, HasAJobForEachPairOfWaitsThatFollowEachOther) {
   std::vector<std::string> jobs;
   for (const Vertex& vertex : graph.vertices) jobs.push_back(name(vertex));
   std::sort(jobs.begin(), jobs.end());
-  EXPECT_EQ(jobs, (std::vector<std::string>{"idle -> idle", "idle -> pace", "idle -> settle",
-                                            "pace -> pace", "pace -> settle", "settle -> idle",
-                                            "settle -> pace", "settle -> settle", "start -> idle",
-                                            "start -> pace", "start -> settle"}));
+  EXPECT_EQ(jobs, (std::vector<std::string>{
+                      "from idle to idle", "from idle to pace", "from idle to settle",
+                      "from pace to pace", "from pace to settle", "from settle to idle",
+                      "from settle to pace", "from settle to settle", "from start to idle",
+                      "from start to pace", "from start to settle"}));
 }
 
 TEST(Machine, AJobTakesTheLongestPathOverItsExecutionStates) {
   const Graph graph = to_graph(control()).value();
 
-  EXPECT_EQ(find(graph, "idle -> settle")->execution, 6ms);
-  EXPECT_EQ(find(graph, "idle -> settle")->source, Source::measured);
-  EXPECT_EQ(find(graph, "idle -> idle")->execution, 1ms);
-  EXPECT_EQ(find(graph, "idle -> idle")->source, Source::declared);
+  EXPECT_EQ(find(graph, "from idle to settle")->execution, 6ms);
+  EXPECT_EQ(find(graph, "from idle to settle")->source, Source::measured);
+  EXPECT_EQ(find(graph, "from idle to idle")->execution, 1ms);
+  EXPECT_EQ(find(graph, "from idle to idle")->source, Source::declared);
 }
 
 TEST(Machine, ADeadlineIsTheNextWaitOrWhatIsDeclared) {
   const Graph own = to_graph(control()).value();
   const Graph declared = to_graph(control(), {20ms, 0ms}).value();
 
-  EXPECT_EQ(find(own, "idle -> idle")->deadline, 100ms);
-  EXPECT_EQ(find(own, "idle -> pace")->deadline, 10ms);
-  EXPECT_EQ(find(declared, "idle -> idle")->deadline, 20ms);
-  EXPECT_EQ(find(declared, "idle -> pace")->deadline, 10ms);
+  EXPECT_EQ(find(own, "from idle to idle")->deadline, 100ms);
+  EXPECT_EQ(find(own, "from idle to pace")->deadline, 10ms);
+  EXPECT_EQ(find(declared, "from idle to idle")->deadline, 20ms);
+  EXPECT_EQ(find(declared, "from idle to pace")->deadline, 10ms);
 }
 
 TEST(Machine, ASeparationIsTheWaitBetweenTheJobs) {
@@ -74,10 +75,10 @@ TEST(Machine, ABudgetReplacesWhatIsKnownOfTheStates) {
   Machine machine = control();
   machine.states[2] = running("at_goal", 0ms, Source::unknown, {5});
 
-  EXPECT_EQ(find(to_graph(machine).value(), "pace -> settle")->source, Source::unknown);
+  EXPECT_EQ(find(to_graph(machine).value(), "from pace to settle")->source, Source::unknown);
   const Graph declared = to_graph(machine, {0ms, 7ms}).value();
-  EXPECT_EQ(find(declared, "pace -> settle")->source, Source::declared);
-  EXPECT_EQ(find(declared, "pace -> settle")->execution, 7ms);
+  EXPECT_EQ(find(declared, "from pace to settle")->source, Source::declared);
+  EXPECT_EQ(find(declared, "from pace to settle")->execution, 7ms);
 }
 
 TEST(Machine, MayBeginWithAWait) {
@@ -87,7 +88,7 @@ TEST(Machine, MayBeginWithAWait) {
   const Graph graph = to_graph(machine).value();
 
   ASSERT_EQ(graph.vertices.size(), 3u);
-  EXPECT_EQ(find(graph, "start -> first")->execution, 0ms);
+  EXPECT_EQ(find(graph, "from start to first")->execution, 0ms);
 }
 
 TEST(Machine, RefusesExecutionStatesThatNeverWait) {

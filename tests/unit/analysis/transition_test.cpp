@@ -17,7 +17,7 @@ Graph loop(const std::string& wait, Duration period, Duration execution) {
   return to_graph(machine).value();
 }
 
-/// "a -> b after 10000000ns c -> d", for each edge that leaves one part for another.
+/// "from a to b, 10, from c to d" (times in ms), for each edge that leaves one part for another.
 std::vector<std::string> bridges(const Graph& graph) {
   std::vector<std::string> found;
   for (const Edge& edge : graph.edges) {
@@ -35,21 +35,24 @@ TEST(Transition, KeepsTheWaitUnderWayAndGoesOnInTheStateOfTheSameName) {
 
   EXPECT_EQ(bridges(both),
             (std::vector<std::string>{
-                "pace -> pace (first after the change), 20, pace -> pace (first after a rollback)",
-                "pace -> pace (new), 20, pace -> pace (first after a rollback)",
-                "pace -> pace (old), 10, pace -> pace (first after the change)",
-                "start -> pace (new), 20, pace -> pace (first after a rollback)",
-                "start -> pace (old), 10, pace -> pace (first after the change)"}));
+                "from pace to pace (first after the change), 20, from pace to pace (first after a "
+                "rollback)",
+                "from pace to pace (new), 20, from pace to pace (first after a rollback)",
+                "from pace to pace (old), 10, from pace to pace (first after the change)",
+                "from start to pace (new), 20, from pace to pace (first after a rollback)",
+                "from start to pace (old), 10, from pace to pace (first after the change)"}));
 }
 
 TEST(Transition, BeginsAnewWhenNoStateHasTheName) {
   const std::vector<std::string> found =
       bridges(transition(loop("pace", 10ms, 1ms), loop("idle", 20ms, 2ms), 5us));
 
-  EXPECT_TRUE(std::count(found.begin(), found.end(),
-                         "pace -> pace (old), 10, start -> idle (first after the change)"));
-  EXPECT_TRUE(std::count(found.begin(), found.end(),
-                         "idle -> idle (new), 20, start -> pace (first after a rollback)"));
+  EXPECT_TRUE(
+      std::count(found.begin(), found.end(),
+                 "from pace to pace (old), 10, from start to idle (first after the change)"));
+  EXPECT_TRUE(
+      std::count(found.begin(), found.end(),
+                 "from idle to idle (new), 20, from start to pace (first after a rollback)"));
 }
 
 TEST(Transition, ChargesTheChangeToTheFirstJobOnly) {

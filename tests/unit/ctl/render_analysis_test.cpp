@@ -37,7 +37,7 @@ TEST(RenderAnalysis, IsATableWithAVerdict) {
 TEST(RenderAnalysis, DoesNotSayProvedWhenSomethingIsLateOrUnknown) {
   Json late = analysis();
   late["factor"] = 0.8;
-  late["problems"] = {"laser: job pace -> pace may never end"};
+  late["problems"] = {"laser: its job from pace to pace may never end"};
   Json unknown = analysis();
   unknown["factor"] = nullptr;
   Json shared = analysis();
@@ -45,7 +45,7 @@ TEST(RenderAnalysis, DoesNotSayProvedWhenSomethingIsLateOrUnknown) {
 
   EXPECT_NE(render_analysis(late, {}).find("not proved: deadlines would be met with 0.80 of"),
             std::string::npos);
-  EXPECT_NE(render_analysis(late, {}).find("warning: laser: job pace -> pace may never end\n"),
+  EXPECT_NE(render_analysis(late, {}).find("warning: laser: its job from pace to pace may never end\n"),
             std::string::npos);
   EXPECT_NE(render_analysis(unknown, {}).find("not proved: some execution times are unknown"),
             std::string::npos);

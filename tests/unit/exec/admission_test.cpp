@@ -180,7 +180,7 @@ TEST(Admission, WarnAppliesTheSameChangeAndTheReceiptWarns) {
 
   ASSERT_TRUE(done) << to_string(done.error());
   EXPECT_EQ(done->generation, 2U);
-  EXPECT_TRUE(says(done->warnings, "slow: job"));
+  EXPECT_TRUE(says(done->warnings, "slow: its job"));
 }
 
 TEST(Admission, OffNeitherRefusesNorWarns) {
@@ -210,7 +210,7 @@ TEST(Admission, AChangeThatMendsALateComponentIsNotBlamedForIt) {
   Pair architecture(2ms, 30ms);
   Deployer deployer(architecture, options(Admission::warn));
   ASSERT_TRUE(deployer.deploy());
-  ASSERT_TRUE(says(deployer.warnings(), "slow: job"));
+  ASSERT_TRUE(says(deployer.warnings(), "slow: its job"));
 
   const Result<Receipt> done = deployer.apply(with_task("slow", Pair::task(20, 4ms)));
 
