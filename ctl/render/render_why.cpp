@@ -28,6 +28,9 @@ std::string what_happened(const Json& failure) {
   const std::string text = word(failure, "text");
   std::string line = cause.empty() ? text : cause + (text.empty() ? "" : ": " + text);
   if (line.empty()) line = "failed";
+  if (const auto resource = word(failure, "resource"); !resource.empty()) {
+    line += ", in a call of " + resource;
+  }
   if (const auto state = word(failure, "fsm_state"); !state.empty()) line += ", in state " + state;
   if (const auto job = whole_number(failure, "job"); job > 0) {
     line += ", job " + std::to_string(job);

@@ -40,6 +40,7 @@ struct Failure {
   std::string cause;  ///< "threw", "crashed"...
   std::string text;   ///< "sensor lost"
   CoreBuild culprit;
+  std::string resource;  ///< in whose call it failed, so that the core is not to blame; empty: none
   std::string fsm_state;  ///< empty: not known
   std::uint64_t job = 0;  ///< the number of the job, counted since the component began
   Reaction reaction = Reaction::parked;

@@ -204,5 +204,19 @@ TEST(Why, TwoFailuresWithinASecondAreNotMixed) {
       << "it failed after its own swap";
 }
 
+TEST(Why, NamesTheResourceInWhoseCallTheJobFailed) {
+  auto file = Json::parse(std::string(kTrial));
+  file["resources"]["broken"] = {{"type", "trial/failing"},
+                                 {"properties", {{"core.how", "throws"}}}};
+  file["components"]["first"]["ports"]["input"] = "broken.read";
+  TrialDaemon daemon(file.dump());
+
+  const auto said = why(daemon, "threw");
+
+  EXPECT_EQ(said["failure"]["resource"], "broken") << said;
+  EXPECT_THAT(hints(said)[0], HasSubstr("mauvectl show broken: the job failed in a call of this "));
+  EXPECT_THAT(why_first(daemon), HasSubstr("threw: no bearing, in a call of broken, in state "));
+}
+
 }  // namespace
 }  // namespace mauve::test

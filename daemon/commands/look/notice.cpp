@@ -36,6 +36,7 @@ Failure failure_of(const Running& running, const std::string& component, const I
   failure.text = incident.text;
   failure.fsm_state = incident.state;
   failure.job = incident.job;
+  failure.resource = incident.resource;
   // The build that ran is known by now only if no other one has replaced it.
   failure.culprit = running.failures.running(component);
   if (failure.culprit.core != incident.core) {

@@ -47,6 +47,7 @@ Json failure_json(const Running& running, const Failure& failure) {
           {"text", failure.text},
           {"core", failure.culprit.core},
           {"build_id", failure.culprit.build_id},
+          {"resource", failure.resource},
           {"fsm_state", failure.fsm_state},
           {"job", failure.job},
           {"did", to_string(failure.reaction)},
@@ -90,6 +91,10 @@ void add_next_steps(const Running& running, const std::string& name, const Failu
                     Json& hints) {
   const auto& core = failure.culprit.core;
   const auto cause = exec::cause_of(failure.cause);
+  if (!failure.resource.empty()) {
+    hints.push_back("mauvectl show " + failure.resource + ": the job failed in a call of this " +
+                    "resource, so the core of " + name + " is not to blame");
+  }
   switch (failure.reaction) {
     case Reaction::parked:
       hints.push_back("mauvectl start " + name + " --reset: again, with a fresh core");

@@ -55,6 +55,16 @@ TEST(Why, IsAnsweredInAFewLines) {
                 render_record(kLastRecord, {}));
 }
 
+TEST(Why, NamesTheResourceInWhoseCallTheJobFailed) {
+  Json answer = kWhy;
+  answer["failure"]["resource"] = "world";
+  const Scene scene({"why", "control"}, answer);
+
+  EXPECT_NE(scene.outcome.out.find("threw: sensor lost, in a call of world, in state go, job 17, "),
+            std::string::npos)
+      << scene.outcome.out;
+}
+
 TEST(Why, DoesNotSayThatAStoppedComponentRunsAgain) {
   Json answer = kWhy;
   answer["failure"]["did"] = "rolled_back";
