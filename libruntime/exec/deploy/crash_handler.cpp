@@ -75,21 +75,40 @@ void let_others_act(const System& system, Instant until) {
   while (!acted() && system.runner->now() < until) std::this_thread::sleep_for(1ms);
 }
 
-/// Writes the events that no thread has read yet to standard error.
-void report_events(System& system) {
+void report_event(const char* component, const rt::Event& event, double at) {
+  const auto a = static_cast<long long>(event.a.integer);
+  const auto b = static_cast<long long>(event.b.integer);
+  switch (event.kind) {
+    case rt::EventKind::overrun:
+    case rt::EventKind::long_overrun:
+      return say("mauve: %.6f s after T0: a job of %s ended %lld ns late, overrun %lld\n", at,
+                 component, a, b);
+    case rt::EventKind::missed:
+      return say("mauve: %.6f s after T0: %s missed %lld releases, %lld in all\n", at, component, a,
+                 b);
+    case rt::EventKind::log:
+      return say("mauve: %.6f s after T0: %s says: %s\n", at, component, event.literal);
+    default:
+      return say("mauve: %.6f s after T0: %s: %s %s\n", at, component, name_of(event.kind).data(),
+                 event.text.data());
+  }
+}
+
+/// Writes the events up to `end` that no thread has read yet to standard error. The later ones are
+/// consequences of the end: jobs wait for it.
+void report_events(System& system, Instant end) {
   rt::Event event;
   for (Deployed& deployed : system.deployed) {
     while (deployed.task->report().events().pop(event)) {
-      const char* text = event.literal != nullptr ? event.literal : event.text.data();
-      say("mauve: last event of %s: %s %s (%lld, %lld) at %lld ns\n", deployed.task->name().c_str(),
-          name_of(event.kind).data(), text, static_cast<long long>(event.a.integer),
-          static_cast<long long>(event.b.integer), static_cast<long long>(event.time - system.t0));
+      if (event.time > end) continue;
+      report_event(deployed.task->name().c_str(), event, to_seconds(event.time - system.t0));
     }
   }
 }
 
 void speak(System& system, const rt::Death& death) MAUVE_NOT_ANALYSED {
-  const Instant until = system.runner->now() + kMayTake.count();
+  const Instant began = system.runner->now();
+  const Instant until = began + kMayTake.count();
   this_job().lock_bound = kForOne;
   // The thread that holds the list may be the one that failed: then nothing waits for it.
   bool held = system.members.try_lock();
@@ -104,7 +123,7 @@ void speak(System& system, const rt::Death& death) MAUVE_NOT_ANALYSED {
       what.data(), death.thread.data(), safe);
   let_others_act(system, until);
   if (held) {
-    report_events(system);
+    report_events(system, began);
     system.members.unlock();
   }
 }

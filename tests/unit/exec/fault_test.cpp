@@ -210,6 +210,14 @@ TEST(EndOfAProcessDeathTest, LetsDriversActOnSafeValuesBefore) {
               "the safe values of 1 components are written.*the motor stands");
 }
 
+TEST(EndOfAProcessDeathTest, ReportsEachRuntimeEventThatCameBefore) {
+  if (!rt::kGuardsFaults) GTEST_SKIP() << "the sanitizer handles signals itself";
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT((std::signal(SIGTERM, SIG_DFL), end_while_it_drives()),
+              testing::KilledBySignal(SIGTERM),
+              "the motor stands.*mauve: [0-9.]+ s after T0: control: started");
+}
+
 /// The guard parks the task of an abandoned thread for which it gets no other thread.
 TEST(Fault, OfATaskWithoutAThreadIsCountedTracedAndLogged) {
   constexpr Instant kT0 = 1'000'000'000;
