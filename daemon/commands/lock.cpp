@@ -33,12 +33,6 @@ bool only_parks(const Edit& edit) {
          edit.disconnect.empty();
 }
 
-bool only_stops(const Change& change) {
-  return !change.changes_rules && change.new_components.empty() && change.new_resources.empty() &&
-         change.remove.empty() && change.fallbacks.empty() &&
-         std::ranges::all_of(change.edits, only_parks);
-}
-
 Error all_is_locked() {
   return refuse({Errc::conflict, "locked"}, "lock",
                 "everything that runs is locked: components may be stopped and a change may be "
@@ -111,6 +105,12 @@ Status may_change(const Running& running, Kind kind) {
     return ok();
   }
   return all_is_locked();
+}
+
+bool only_stops(const Change& change) {
+  return !change.changes_rules && change.new_components.empty() && change.new_resources.empty() &&
+         change.remove.empty() && change.fallbacks.empty() &&
+         std::ranges::all_of(change.edits, only_parks);
 }
 
 Status may_change(const Running& running, const Change& change) {

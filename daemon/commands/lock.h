@@ -32,8 +32,11 @@ enum class Kind : std::uint8_t {
 /// steps, whose change is judged. Ask before preparing a change, and again before it is committed.
 [[nodiscard]] Status may_change(const Running& running, Kind kind);
 
-/// [control] Refused with `conflict` while everything is locked, unless the change only stops
-/// components. Ask before preparing it, and again before it is committed.
+/// The change stops components, and makes nothing else different. No reason refuses such a change.
+[[nodiscard]] bool only_stops(const Change& change);
+
+/// [control] Refused with `conflict` while everything is locked, unless the change only_stops().
+/// Ask before preparing it, and again before it is committed.
 [[nodiscard]] Status may_change(const Running& running, const Change& change);
 
 /// [control] Refused with `conflict` while a lock holds something that the change makes different,
