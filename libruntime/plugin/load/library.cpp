@@ -131,6 +131,8 @@ std::vector<std::string> Library::users() const {
   for (const User& user : users_) {
     found.push_back(user.address.empty() ? user.name : user.address + " (" + user.name + ")");
   }
+  std::ranges::sort(found);
+  found.erase(std::unique(found.begin(), found.end()), found.end());
   return found;
 }
 
