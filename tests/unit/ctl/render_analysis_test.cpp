@@ -45,8 +45,9 @@ TEST(RenderAnalysis, DoesNotSayProvedWhenSomethingIsLateOrUnknown) {
 
   EXPECT_NE(render_analysis(late, {}).find("not proved: deadlines would be met with 0.80 of"),
             std::string::npos);
-  EXPECT_NE(render_analysis(late, {}).find("warning: laser: its job from pace to pace may never end\n"),
-            std::string::npos);
+  EXPECT_NE(
+      render_analysis(late, {}).find("warning: laser: its job from pace to pace may never end\n"),
+      std::string::npos);
   EXPECT_NE(render_analysis(unknown, {}).find("not proved: some execution times are unknown"),
             std::string::npos);
   EXPECT_NE(render_analysis(shared, {}).find("not proved: see the warnings"), std::string::npos);
