@@ -40,13 +40,13 @@ class Filter final : public mauve::Core<Shell> {
 
   /// [rt] every period
   void update() {
-    constexpr double kPeriod = 0.01;  // s; equals fsm.period of the file: change both together
-    state->position += state->speed * kPeriod;
+    const double dt = mauve::to_seconds(mauve::time_step());
+    state->position += state->speed * dt;
     const double measured = shell().measured.read();
     if (shell().measured.status() == mauve::DataStatus::new_data) {
       const double error = measured - state->position;
       state->position += alpha * error;
-      state->speed += beta * error / kPeriod;
+      state->speed += beta * error / dt;
     } else {
       ++without_data;
     }

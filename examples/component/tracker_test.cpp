@@ -14,6 +14,7 @@ TEST(Filter, FindsTheSpeedOfASteadyMotion) {
   mauve::CoreBench<tracker::Shell, Filter> bench;
   ASSERT_TRUE(bench.configure());
   for (int i = 1; i <= 500; ++i) {
+    bench.advance(10ms);
     bench.give(bench.shell().measured, 0.02 * i);  // 2 m/s, measured each 10 ms
     bench.core().update();
   }
@@ -26,7 +27,10 @@ TEST(Filter, PredictsWhileNothingIsMeasured) {
   mauve::CoreBench<tracker::Shell, Filter> bench;
   ASSERT_TRUE(bench.configure());
   *bench.core().state = {1.0, 3.0};
-  for (int i = 0; i < 10; ++i) bench.core().update();
+  for (int i = 0; i < 10; ++i) {
+    bench.advance(10ms);
+    bench.core().update();
+  }
   EXPECT_NEAR(bench.written(bench.shell().motion)->position, 1.3, 1e-9);
   EXPECT_EQ(bench.core().without_data, 10);
 }

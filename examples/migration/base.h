@@ -25,9 +25,10 @@ class Base final : public mauve::Core<BaseShell> {
     Wheels wheels = shell().wheels.read();
     if (shell().wheels.status() == mauve::DataStatus::stale) wheels = {};
     const double forward = (wheels.left + wheels.right) / 2;
-    state->heading += (wheels.right - wheels.left) / kTrack * kPeriod;
-    state->x += forward * std::cos(state->heading) * kPeriod;
-    state->y += forward * std::sin(state->heading) * kPeriod;
+    const double dt = mauve::to_seconds(mauve::time_step());
+    state->heading += (wheels.right - wheels.left) / kTrack * dt;
+    state->x += forward * std::cos(state->heading) * dt;
+    state->y += forward * std::sin(state->heading) * dt;
     shell().pose.write(*state);
   }
 };

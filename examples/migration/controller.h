@@ -27,11 +27,12 @@ class Controller : public mauve::Core<ControllerShell> {
   virtual void update() = 0;            // [rt] every 10 ms
 
  protected:
-  static constexpr double kStep = 0.02;  // m/s in one job: 2 m/s2
+  static constexpr double kAcceleration = 2.0;  // m/s2, of a wheel at most
 
   void give(const Wheels& wanted) {
-    command->left = std::clamp(wanted.left, command->left - kStep, command->left + kStep);
-    command->right = std::clamp(wanted.right, command->right - kStep, command->right + kStep);
+    const double step = kAcceleration * mauve::to_seconds(mauve::time_step());
+    command->left = std::clamp(wanted.left, command->left - step, command->left + step);
+    command->right = std::clamp(wanted.right, command->right - step, command->right + step);
     shell().wheels.write(*command);
   }
 };

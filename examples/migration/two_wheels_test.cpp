@@ -12,8 +12,12 @@ using namespace two_wheels;
 
 struct GoToTest : testing::Test {
   GoToTest() { EXPECT_TRUE(bench.configure()); }
+  /// One job each 10 ms.
   Wheels command_after(int jobs) {
-    for (int i = 0; i < jobs; ++i) bench.core().update();
+    for (int i = 0; i < jobs; ++i) {
+      bench.advance(10ms);
+      bench.core().update();
+    }
     return bench.written(bench.shell().wheels).value();
   }
   mauve::CoreBench<ControllerShell, GoTo> bench;

@@ -31,7 +31,6 @@ struct Wheels {
   }
 };
 
-inline constexpr double kTrack = 0.3;    // m, between the wheels
-inline constexpr double kPeriod = 0.01;  // s; equals fsm.period of both
+inline constexpr double kTrack = 0.3;  // m, between the wheels
 
 }  // namespace two_wheels

@@ -22,9 +22,6 @@ class Counter : public mauve::Core<Shell> {
 
   mauve::Observable<double> shown{*this, "shown", 0.0, "ticks; of V3 metres"};
   virtual void update() = 0;  // [rt] every 10 ms
-
- protected:
-  static constexpr double kPeriod = 0.01;  // s; equals fsm.period: change both together
 };
 
 class V1 final : public Counter {
@@ -42,7 +39,7 @@ class V2 final : public Counter {
 
   void update() override {
     const int ticks = shell().ticks.read();
-    state->speed = ticks / kPeriod;
+    state->speed = ticks / mauve::to_seconds(mauve::time_step());
     shown = static_cast<double>(state->ticks += ticks);
   }
 };
@@ -57,7 +54,7 @@ class V3 final : public Counter {
 
   void update() override {
     const double moved = shell().ticks.read() * kTick;
-    state->speed = moved / kPeriod;
+    state->speed = moved / mauve::to_seconds(mauve::time_step());
     shown = state->distance += moved;
   }
 };

@@ -61,7 +61,8 @@ class GuidanceCore : public mauve::Core<ControlShell> {
         [&](const LaserScan& scan) { nearest_points(scan, pose, kHorizon, obstacles_); });
     // Blind, or lost: stand still. The safety pilot would stop us too.
     const bool sure = usable(seen) && usable(shell().pose.status());
-    give(sure ? steer(pose, obstacles_, step()) : Velocity{});
+    const double dt = step();
+    give(sure ? steer(pose, obstacles_, dt) : Velocity{}, dt);
   }
 
   /// [rt] state at_goal, then 50 ms: stand, and count.
@@ -88,22 +89,21 @@ class GuidanceCore : public mauve::Core<ControlShell> {
  private:
   static constexpr double kHorizon = 3.0;  // m, nothing beyond it changes a decision
   static constexpr double kLongAgo = 1e3;  // s
-  static constexpr double kPace = 0.01;    // s, when the last step is unknown or long ago
+  static constexpr double kPace = 0.01;    // s, when the last step is long ago
 
   static bool usable(mauve::DataStatus status) {
     return has_value(status) && status != mauve::DataStatus::stale;
   }
 
-  /// Time since the step before, whichever core made it.
-  double step() {
-    const mauve::Instant now = mauve::job_time();
-    const double dt = mauve::to_seconds(now - state->stepped_at);
-    state->stepped_at = now;
-    return dt > 0.0 && dt < 0.1 ? dt : kPace;
+  /// Seconds since the job before, whichever core ran it. The robot that waited for its goal
+  /// stands.
+  static double step() {
+    const double dt = mauve::to_seconds(mauve::time_step());
+    return dt < 0.1 ? dt : kPace;
   }
 
-  void give(const Velocity& wanted) {
-    state->command = slewed(state->command, wanted, SlewLimits{}, kPace);
+  void give(const Velocity& wanted, double dt) {
+    state->command = slewed(state->command, wanted, SlewLimits{}, dt);
     shell().command.write(state->command);
   }
 

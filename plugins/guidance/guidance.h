@@ -27,11 +27,10 @@ struct Guidance {
   std::int32_t side = 0;      ///< way round the obstacle: +1 leave it right, -1 left, 0 undecided
   std::int32_t avoiding = 0;  ///< 1 while the supervisor of finite_time is in AVOID
   std::int32_t goals_reached = 0;
-  mauve::Instant stepped_at = 0;  ///< start of the job that gave `command`
-  double hit_range = 0.0;         ///< m to the goal when AVOID was entered
-  double dwell = 0.0;             ///< s since the supervisor last decided
+  double hit_range = 0.0;  ///< m to the goal when AVOID was entered
+  double dwell = 0.0;      ///< s since the supervisor last decided
 
-  static constexpr std::string_view type_name = "guidance/1";
+  static constexpr std::string_view type_name = "guidance/2";
   static constexpr auto fields() {
     return std::tuple{mauve::field("goal", &Guidance::goal, "m"),
                       mauve::field("command", &Guidance::command),
@@ -39,7 +38,6 @@ struct Guidance {
                       mauve::field("side", &Guidance::side),
                       mauve::field("avoiding", &Guidance::avoiding),
                       mauve::field("goals_reached", &Guidance::goals_reached),
-                      mauve::field("stepped_at", &Guidance::stepped_at, "ns"),
                       mauve::field("hit_range", &Guidance::hit_range, "m"),
                       mauve::field("dwell", &Guidance::dwell, "s")};
   }

@@ -313,6 +313,7 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::start(const TaskUpdate& next) {
   }
   task_.arm(release);
   task_.wait = Duration{0};
+  task_.last_release = 0;
   task_.running = true;
   task_.evidence.forget_overruns();
   task_.report.counters().state.store(ComponentState::running, std::memory_order_release);

@@ -82,6 +82,7 @@ bool JobRunner::run(Instant now) {
   job.trace = nullptr;
   job.start = 0;
   job.release = 0;
+  job.step = {};
   job.running = false;
   return ours;
 }
@@ -90,6 +91,8 @@ void JobRunner::begin(Instant now) {
   Job& job = this_job();
   job.start = now;
   job.release = task_.release;
+  const Instant before = std::exchange(task_.last_release, task_.release);
+  job.step = before != 0 ? Duration{task_.release - before} : task_.current->shortest_wait;
   job.running = true;
   job.lock_waits = {};
   job.implausible = nullptr;

@@ -47,8 +47,9 @@ struct TaskContext {
       nullptr;                ///< the lock of the resource in whose service its last job failed
   FsmState* state = nullptr;  ///< the wait the task is in; null: before the initial state
   Instant t0 = 0;
-  Instant release = 0;  ///< of the next job: t0 + offset + clock of the component
-  Duration wait{0};     ///< that ended, or ends, at `release`
+  Instant release = 0;       ///< of the next job: t0 + offset + clock of the component
+  Duration wait{0};          ///< that ended, or ends, at `release`
+  Instant last_release = 0;  ///< of the job before; 0: none since the last start
   Instant parked_at = 0;
   std::uint64_t number = 0;  ///< of the last change that the task took
   JobMeter meter;

@@ -111,6 +111,7 @@ class CoreBench {
     static_cast<void>(core_.cleanup());
     static_cast<void>(shell_.cleanup());
     this_job().start = 0;
+    this_job().step = {};
   }
 
   [[nodiscard]] ShellT& shell() { return shell_; }  ///< of the core
@@ -144,8 +145,12 @@ class CoreBench {
   void answer(CallPort<R(P...)>& port, std::function<R(P...)> function) {
     ports_.answer(port, std::move(function));
   }
-  /// Moves the clock that ages of read values are measured with; it starts at one second.
-  void advance(Duration by) { this_job().start = (now_ += by.count()); }
+  /// Moves the clock that ages of read values are measured with; it starts at one second. The next
+  /// calls of the core find this time as their time_step().
+  void advance(Duration by) {
+    this_job().start = (now_ += by.count());
+    this_job().step = by;
+  }
   /// The heap and kernel use of `code`, such as a call of the core. The first call of a function
   /// may cost more than later ones, since it touches its memory for the first time.
   template <typename Code>

@@ -19,6 +19,8 @@ using Instant = std::int64_t;
 [[nodiscard]] constexpr double to_seconds(Instant nanoseconds) {
   return static_cast<double>(nanoseconds) * 1e-9;
 }
+/// A duration in seconds.
+[[nodiscard]] constexpr double to_seconds(Duration time) { return to_seconds(time.count()); }
 
 }  // namespace mauve
 

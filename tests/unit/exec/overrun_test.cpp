@@ -15,12 +15,14 @@ class Busy : public Core<EmptyShell> {
  public:
   void update() {
     released.push_back(clock->now());
+    steps.push_back(time_step());
     const std::size_t job = released.size() - 1;
     if (job < costs.size()) clock->advance(costs[job]);
   }
   ManualClock* clock = nullptr;
   std::vector<Duration> costs;
   std::vector<Instant> released;
+  std::vector<Duration> steps;
 };
 
 class Overrun : public testing::Test {
@@ -81,6 +83,19 @@ TEST_F(Overrun, SkipRunsTheNewestMissedReleaseAndStaysOnTheGrid) {
   EXPECT_EQ(task.counters().missed, 4u) << "releases 2, 3, 4 and 5 never ran";
   EXPECT_EQ(task.counters().overruns, 1u);
   EXPECT_EQ((task.next_release() - kT0) % 1'000'000, 0);
+}
+
+TEST_F(Overrun, TheTimeStepOfAJobGoesFromReleaseToRelease) {
+  begin();
+  core().costs = {300us, 5500us};
+
+  run(4);
+  static_cast<PeriodicFsm<Busy>&>(component->fsm()).period = 2ms;
+  run(2);
+
+  EXPECT_EQ(core().steps, (std::vector<Duration>{1ms, 1ms, 5ms, 1ms, 1ms, 2ms}))
+      << "the first job, an exact period, four missed releases, and another period";
+  EXPECT_EQ(time_step(), 0ms) << "outside a job";
 }
 
 TEST_F(Overrun, CatchUpRunsEveryMissedReleaseBackToBack) {

@@ -72,6 +72,16 @@ TEST(CoreBench, FindsAValueStaleThatIsOlderThanTheMaxAgeOfThePort) {
   EXPECT_EQ(value, 8.0) << "a stale value is delivered";
 }
 
+TEST(CoreBench, GivesTheTimeOfTheClockAsTheTimeStep) {
+  {
+    CoreBench<FollowShell, Follow> bench;
+    bench.advance(10ms);
+    EXPECT_EQ(time_step(), 10ms);
+    EXPECT_EQ(to_seconds(time_step()), 0.01);
+  }
+  EXPECT_EQ(time_step(), 0ms);
+}
+
 TEST(CoreBench, ReportsARefusedConfiguration) {
   CoreBench<FollowShell, Follow> bench;
   bench.core().gain = -1.0;

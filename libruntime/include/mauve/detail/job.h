@@ -27,6 +27,7 @@ struct Job {
 
   Instant start = 0;       ///< monotonic time read when this job began; 0 outside a job
   Instant release = 0;     ///< logical release of this job, monotonic; 0 outside a job
+  Duration step{0};        ///< see time_step(); 0 outside a job
   Duration lock_bound{0};  ///< how long an access may wait for a resource; 0: one second
   bool running = false;    ///< between release and wait: no deployer call, no configure, no cleanup
   /// Every port behaves as if it were not connected: while a core is prepared, and on a thread that
