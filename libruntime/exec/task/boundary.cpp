@@ -119,6 +119,7 @@ void Boundary::drop_missed(Instant now) {
 /// while the old bundle is still in force.
 void Boundary::touch(const TaskUpdate& next) const {
   if (next.barrier != TaskUpdate::Barrier::none) return;
+  task_.mailbox.prefetch();  // first, since these lines come while the others are read
   rt::touch(&next, sizeof next);
   rt::touch(next.answer.get(), sizeof *next.answer);
   rt::touch(next.bundle.get(), sizeof *next.bundle);
@@ -176,7 +177,7 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::record_applied(const TaskUpdate& next, Insta
 /// not return, and this thread was abandoned in it.
 MAUVE_RUNS_AT_A_SWAP bool Boundary::take_state(TaskUpdate& next) {
   const bool converts = next.hand_over.convert != nullptr;
-  const Instant begun = task_.meter.now();
+  const Instant begun = converts ? task_.meter.now() : 0;
   if (converts) {
     taking_ = &next;
     task_.watch.begin(begun);

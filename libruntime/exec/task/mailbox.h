@@ -73,7 +73,10 @@ class Mailbox {
     quiescent_count_.store(quiescent_count_ + 1, std::memory_order_release);
   }
   /// Requests the cache lines that a swap writes; does not wait.
-  void prefetch() const { rt::prefetch(&back_, sizeof back_ + sizeof standby_); }
+  void prefetch() const {
+    rt::prefetch(&back_, sizeof back_ + sizeof standby_);
+    rt::prefetch(&unused_, sizeof unused_);
+  }
 
  private:
   static bool empty(std::atomic<TaskUpdate*>& slot, TaskUpdate& content) {

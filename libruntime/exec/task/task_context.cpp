@@ -47,7 +47,6 @@ MAUVE_RUNS_AT_A_SWAP void TaskContext::miss(std::uint64_t releases, Instant time
 }
 
 void TaskContext::touch() const {
-  mailbox.prefetch();
   report.trace().ring.touch();
   watch.touch();
   rt::touch(&report.counters(), sizeof report.counters());
