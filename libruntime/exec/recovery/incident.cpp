@@ -19,7 +19,7 @@ Incident incident_of(const System& system, const FaultRecord& record) {
                     record.job,
                     {}};
   for (const ResourceBase* resource : system.architecture.resources()) {
-    if (&resource->lock() == record.failed_in) incident.resource = resource->name();
+    if (&resource->lock() == record.failed_in_lock) incident.resource = resource->name();
   }
   return incident;
 }

@@ -61,7 +61,7 @@ void FaultReaction::record(Cause cause) {
   fault.time = task_.clock.now();
   fault.cause = cause;
   fault.job = counters.releases.load(std::memory_order_relaxed);
-  fault.failed_in = task_.failed_in;
+  fault.failed_in_lock = task_.failed_in_lock;
   copy_text(fault.core, task_.current->bundle->core_type.name);
   const auto& states = task_.current->bundle->fsm->states();
   const std::size_t index = counters.fsm_state.load(std::memory_order_relaxed);
@@ -142,7 +142,7 @@ void FaultReaction::fail_as_hung() {
 }
 
 void FaultReaction::fail_in_hand_over(const rt::Fault& fault) {
-  task_.failed_in = nullptr;
+  task_.failed_in_lock = nullptr;
   write_safe_values();
   auto& text = task_.report.fault().text;
   const auto begun = std::string_view("its converter: ").copy(text.data(), text.size());

@@ -74,7 +74,7 @@ bool JobRunner::run(Instant now) {
   const ResourceLock* inside = fault.happened() ? ResourceLock::poison_and_leave_all() : nullptr;
   if (!fault.happened() && end.threw) inside = this_job().threw_in;
   const bool ours = task_.watch.end(now);
-  if (ours) task_.failed_in = inside;
+  if (ours) task_.failed_in_lock = inside;
   if (ours) conclude(now, end, fault);
   Job& job = this_job();
   rt::end_preemption_watch();

@@ -61,7 +61,7 @@ Instant Task::known_release() const {
 bool Task::lose_thread(Instant since) {
   if (!context_.watch.take_from_thread(since)) return false;
   context_.report.begin_new_trace();
-  context_.failed_in = context_.watch.cut_off_thread();
+  context_.failed_in_lock = context_.watch.cut_off_thread();
   return true;
 }
 

@@ -43,7 +43,7 @@ struct TaskContext {
   CoreFailure failed;
   TaskUpdate* current = nullptr;             ///< the update in force; owned
   const CoreBase* abandoned_core = nullptr;  ///< an abandoned thread may still be inside
-  const ResourceLock* failed_in =
+  const ResourceLock* failed_in_lock =
       nullptr;                ///< the lock of the resource in whose service its last job failed
   FsmState* state = nullptr;  ///< the wait the task is in; null: before the initial state
   Instant t0 = 0;

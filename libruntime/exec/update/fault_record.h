@@ -56,7 +56,7 @@ struct FaultRecord {
   std::array<char, 64> core{};
   std::array<char, 64> state{};
   /// The lock of the resource in whose service the job failed; null: the core is to blame.
-  const void* failed_in = nullptr;
+  const void* failed_in_lock = nullptr;
 };
 
 }  // namespace mauve::exec
