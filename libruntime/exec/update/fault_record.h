@@ -27,7 +27,7 @@ enum class Cause : std::uint8_t {
 };
 
 /// The names of the causes, in their order: those of the entries in errors.def that `mauvectl
-/// explain` prints. Traces have threw, crashed and hung, which FaultReaction::fail() records.
+/// explain` prints. Traces have threw, crashed and hung, which FaultReaction::report() records.
 inline constexpr std::array<std::string_view, 7> kCauseWords{
     "threw", "implausible", "over_budget", "overruns", "crashed", "hung", "asked"};
 static_assert(kCauseWords.size() == static_cast<std::size_t>(Cause::asked) + 1);
