@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Supervision: the automatic changes of a running system. Named transactions, the rules that apply
-/// them, and the components that may ask for them. Plain data, as written in the file.
+/// them, and the components that may ask for them. Plain data, as written in the file. Any other
+/// key at the top of the file that describes no element belongs here too: beside the elements only
+/// the Supervision reaches describe(), compare() and the running daemon.
 #pragma once
 
 #include <cstdint>
