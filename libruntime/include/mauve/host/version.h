@@ -14,7 +14,8 @@ inline constexpr int kVersionMinor = 1;           ///< of semantic versioning
 inline constexpr int kVersionPatch = 0;           ///< of semantic versioning
 inline constexpr const char* kVersion = "0.1.0";  ///< as text
 
-/// Raised with every change of a public class that a compiled plugin can see.
+/// Raised with every change of a class of these headers, also of mauve/detail/, that a compiled
+/// plugin can see.
 inline constexpr int kAbi = 7;
 
 }  // namespace mauve
