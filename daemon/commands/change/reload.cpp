@@ -96,6 +96,9 @@ Status may_go_on(Running& running, const Call& call, Reload& reload) {
   if (auto good = running.catalog.check_types(**reload.loaded); !good) {
     return good;
   }
+  if (auto kept = running.catalog.check_types_in_use(**reload.loaded); !kept) {
+    return kept;
+  }
   reload.lines = lines_of_reload(running, reload);
   return may_change(running, call, reload.lines);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "plugin/load/catalog.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <utility>
@@ -151,6 +152,24 @@ Status Catalog::check_types(const LoadedPlugin& loaded) const {
           "has another layout in plugin " + loaded.info().name + " than in plugin " + plugin,
           "rebuild both with the same header, or raise the revision");
     }
+  }
+  return ok();
+}
+
+Status Catalog::check_types_in_use(const LoadedPlugin& loaded) const {
+  const LoadedPlugin* const present = find(loaded.info().name);
+  if (present == nullptr) return ok();
+  const std::vector<std::string> users = present->library()->users();
+  for (const auto& [name, type] : present->types) {
+    const bool stays = std::ranges::any_of(plugins_, [&, &type_name = name](const auto& other) {
+      const bool same = other.first == loaded.info().name;
+      return (same ? loaded : other.second).types.contains(type_name);
+    });
+    if (stays || std::ranges::find(users, user_of_type(name)) == users.end()) continue;
+    return refuse({Errc::conflict, "type_in_use"}, name,
+                  "is in use, and the new build of plugin " + loaded.info().name +
+                      " has no data type of this name",
+                  "keep the type in the plugin, or remove its users from the file first");
   }
   return ok();
 }

@@ -48,6 +48,9 @@ class Catalog {
   [[nodiscard]] Result<LoadedPlugin> prepare_load(std::string_view plugin) const;
   /// Would commit() accept it? [control]
   [[nodiscard]] Status check_types(const LoadedPlugin& loaded) const;
+  /// Refused: a data type of the present build is in use, and neither this build nor another plugin
+  /// has it, so that the same architecture could not be started again. [control]
+  [[nodiscard]] Status check_types_in_use(const LoadedPlugin& loaded) const;
   /// Puts the names of a prepared plugin in force and returns the library that had them before
   /// (null: none), for release() once its instances are replaced. Refused: a data type that
   /// another plugin registered with another layout. [control]

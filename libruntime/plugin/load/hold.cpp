@@ -95,9 +95,11 @@ detail::Make<InterfaceBase> keep(const std::shared_ptr<Library>& library,
   return keep_made(library, plain, name);
 }
 
+std::string user_of_type(const std::string& type) { return "data type " + type; }
+
 std::shared_ptr<const DataType> keep(const std::shared_ptr<Library>& library,
                                      const DataType& type) {
-  return {std::make_shared<Hold>(library, "data type " + type.name), &type};
+  return {std::make_shared<Hold>(library, user_of_type(type.name)), &type};
 }
 
 }  // namespace mauve::plugin

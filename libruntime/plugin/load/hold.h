@@ -28,6 +28,9 @@ class Hold {
   Library::Users::iterator user_;
 };
 
+/// The user of a data type in the list of a library: "data type odometry/2".
+[[nodiscard]] std::string user_of_type(const std::string& type);
+
 /// A maker whose objects hold the library, and whose states do too. It does not hold the library
 /// itself, and throws std::runtime_error when the library was retired or is gone. `plain` belongs
 /// to the declarations of the library; `name` is the type's.

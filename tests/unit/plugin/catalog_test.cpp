@@ -123,6 +123,23 @@ TEST_F(CatalogTest, AcceptsTheSameTypeFromTwoPlugins) {
   }
 }
 
+TEST_F(CatalogTest, RefusesABuildWithoutADataTypeThatIsInUse) {
+  Plugin types("types");
+  types.type<zoo::Number>();
+  ASSERT_TRUE(catalog_.add(std::move(types)));
+  const auto without = LoadedPlugin::of(Library::compiled_in(Plugin("types")));
+  ASSERT_TRUE(without);
+  EXPECT_TRUE(catalog_.check_types_in_use(*without)) << "no resource uses it";
+
+  const auto used = catalog_.type("zoo_number/1");
+  EXPECT_EQ(catalog_.check_types_in_use(*without).error().code, Errc::conflict);
+
+  Plugin more("more_types");
+  more.type<zoo::Number>();
+  ASSERT_TRUE(catalog_.add(std::move(more)));
+  EXPECT_TRUE(catalog_.check_types_in_use(*without)) << "another plugin has the type";
+}
+
 TEST_F(CatalogTest, RefusesASecondPluginOfTheSameName) {
   const Status added = catalog_.add(sample());
 
