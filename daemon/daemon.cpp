@@ -251,6 +251,10 @@ void Daemon::keep_the_first() {
   }
   running_->store = store_.get();
   restore_quarantine(*running_);
+  if (const auto saved = store_->generations().find(origin_.generation)) {
+    running_->other_builds = other_builds(saved->builds, catalog_);
+    log_other_builds(log_, saved->number, running_->other_builds);
+  }
   Generation first;
   first.number = running_->generation;
   first.boot = running_->boot;
@@ -259,6 +263,7 @@ void Daemon::keep_the_first() {
   first.command = origin_.generation == 0 ? kStart : kRecover;
   first.mark = Confirmation::unconfirmed;
   first.crashes = origin_.crashes;
+  first.builds = builds_of(catalog_);
   first.reason =
       origin_.generation == 0 ? origin_.file : "generation " + std::to_string(origin_.generation);
   store_->begin(first, described(*running_));

@@ -39,6 +39,17 @@ void log_start_warnings(logging::Log& log, const Deployer& deployer,
   }
 }
 
+void log_other_builds(logging::Log& log, std::uint64_t generation,
+                      const std::vector<OtherBuild>& others) {
+  for (const auto& one : others) {
+    log.write(Event::plugin_other_build, {{"generation", static_cast<std::int64_t>(generation)},
+                                          {"plugin", one.plugin},
+                                          {"recorded", short_build(one.recorded)},
+                                          {"runs", short_build(one.runs)},
+                                          {"text", remedy_of(one)}});
+  }
+}
+
 void log_cores_in_quarantine(logging::Log& log, const Architecture& architecture,
                              const std::set<std::string, std::less<>>& cores) {
   for (const auto* component : architecture.components()) {

@@ -2,12 +2,15 @@
 /// The warnings of a start about an architecture that it puts in force nevertheless.
 #pragma once
 
+#include <cstdint>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "log/log.h"
 #include "mauve/host/deployer.h"
 #include "rules/supervision.h"
+#include "state/builds.h"
 
 namespace mauve::daemon {
 
@@ -15,6 +18,11 @@ namespace mauve::daemon {
 /// transaction that these connections keep from taking effect.
 void log_start_warnings(logging::Log& log, const Deployer& deployer,
                         const Architecture& architecture, const rules::Supervision& supervision);
+
+/// [main] Logs each plugin that runs in another build than the one that this saved generation ran
+/// with.
+void log_other_builds(logging::Log& log, std::uint64_t generation,
+                      const std::vector<OtherBuild>& others);
 
 /// [main] Logs each component that starts with one of these cores, which are in quarantine.
 void log_cores_in_quarantine(logging::Log& log, const Architecture& architecture,

@@ -32,6 +32,7 @@ void keep(Running& running, const Call& call, std::optional<Confirmation> mark, 
   about.command = call.method->name;
   about.reason = text_or(call.params, "reason");
   about.changes = text_or(line, "changes");
+  about.builds = builds_of(running.catalog);
   const bool on_probation = some_change_is_on_probation(running);
   about.mark = on_probation ? Confirmation::unconfirmed : mark.value_or(Confirmation::unconfirmed);
   auto as = on_probation || mark ? StateStore::As::marked : StateStore::As::before;

@@ -57,6 +57,9 @@ std::string content_of(const Generation& about, const std::string& text) {
   if (about.crashes > 0) {
     head["crashes"] = about.crashes;
   }
+  if (!about.builds.empty()) {
+    head["builds"] = about.builds;
+  }
   // As a reader will see it: texts that are no UTF-8 have been mended by then.
   if (auto seen = protocol::parse_json(protocol::to_line(head))) {
     head = *std::move(seen);
@@ -96,6 +99,13 @@ Read read_of(const Json& head, std::string_view text) {
   if (const auto crashes = head.find("crashes");
       crashes != head.end() && crashes->is_number_unsigned()) {
     read.about.crashes = crashes->get<unsigned>();
+  }
+  if (const auto builds = head.find("builds"); builds != head.end() && builds->is_object()) {
+    for (const auto& [plugin, build] : builds->items()) {
+      if (build.is_string()) {
+        read.about.builds.emplace(plugin, build.get<std::string>());
+      }
+    }
   }
   read.text = text;
   return read;
@@ -192,9 +202,10 @@ Status Generations::save(const Generation& about, const std::string& text) {
     const auto found = known_.find(about.number);
     if (found != known_.end() && !found->second.damaged) {
       whole = found->second;
+      whole.builds = about.builds;
     }
   }
-  if (last_number_ == whole.number && last_text_ == text) {
+  if (last_number_ == whole.number && last_text_ == text && last_builds_ == whole.builds) {
     return ok();
   }
   if (auto written = write(whole, text); !written) {
@@ -202,6 +213,7 @@ Status Generations::save(const Generation& about, const std::string& text) {
   }
   last_number_ = whole.number;
   last_text_ = text;
+  last_builds_ = whole.builds;
   prune();
   return ok();
 }
@@ -306,11 +318,16 @@ std::vector<Generation> Generations::list() const {
   return all;
 }
 
-std::optional<Confirmation> Generations::mark_of(std::uint64_t number) const {
+std::optional<Generation> Generations::find(std::uint64_t number) const {
   const MutexLock lock(mutex_);
   const auto found = known_.find(number);
   const bool whole = found != known_.end() && !found->second.damaged;
-  return whole ? std::optional(found->second.mark) : std::nullopt;
+  return whole ? std::optional(found->second) : std::nullopt;
+}
+
+std::optional<Confirmation> Generations::mark_of(std::uint64_t number) const {
+  const auto found = find(number);
+  return found ? std::optional(found->mark) : std::nullopt;
 }
 
 std::uint64_t Generations::newest() const {

@@ -14,6 +14,7 @@
 
 #include "base/mutex.h"
 #include "mauve/result.h"
+#include "state/builds.h"
 
 namespace mauve::daemon {
 
@@ -39,6 +40,7 @@ struct Generation {
   std::string folder;        ///< where its relative paths begin; empty: not known
   Confirmation mark = Confirmation::confirmed;
   unsigned crashes = 0;  ///< runs in a row that ended by a crash soon after they started it
+  Builds builds = {};    ///< of the plugins that it ran with; empty: not known
   bool damaged = false;  ///< its file cannot be read, so that nothing but the number is known
 };
 
@@ -54,7 +56,7 @@ class Generations {
       const std::filesystem::path& directory);
 
   /// Saves an architecture file. A number that is there already keeps its description and gets the
-  /// new text: a plugin that comes or goes makes no generation. [disk]
+  /// new text and the new builds: a plugin that comes or goes makes no generation. [disk]
   Status save(const Generation& about, const std::string& text);
 
   /// [disk] Refused: there is no such generation, or the disk failed.
@@ -67,6 +69,8 @@ class Generations {
   /// [disk], or [main] before that runs.
   void remove(std::uint64_t number);
 
+  /// [any] Nothing: not there, or damaged.
+  [[nodiscard]] std::optional<Generation> find(std::uint64_t number) const;
   /// [any] Newest first.
   [[nodiscard]] std::vector<Generation> list() const;
   /// [any] Nothing: not there, or damaged.
@@ -90,8 +94,9 @@ class Generations {
   [[nodiscard]] std::uint64_t newest_confirmed() const MAUVE_REQUIRES(mutex_);
 
   const std::filesystem::path directory_;
-  std::uint64_t last_number_ = 0;  ///< [disk] saved last, and its text
+  std::uint64_t last_number_ = 0;  ///< [disk] saved last, its text and its builds
   std::string last_text_;
+  Builds last_builds_;
   mutable Mutex mutex_;  ///< guards the members below, never held while the disk works
   std::map<std::uint64_t, Generation> known_ MAUVE_GUARDED_BY(mutex_);
   std::uint64_t newest_ MAUVE_GUARDED_BY(mutex_) = 0;

@@ -28,6 +28,7 @@ Json row(const Generation& one) {
               {"command", one.command},
               {"reason", one.reason},
               {"changes", one.changes},
+              {"builds", one.builds},
               {"mark", to_string(one.mark)}});
   return row;
 }

@@ -67,6 +67,22 @@ Json probations(const Running& running) {
   return rows;
 }
 
+/// Of the plugins that still run in the build of the start, which is another one than that of the
+/// saved generation.
+Json notes_of(const Running& running) {
+  Json notes = wiring_notes(running);
+  for (const auto& one : running.other_builds) {
+    const auto* loaded = running.catalog.find(one.plugin);
+    if (loaded != nullptr && loaded->info().build_id == one.runs) {
+      notes.push_back({{"address", one.plugin},
+                       {"text", "runs build " + short_build(one.runs) + ", generation " +
+                                    std::to_string(running.recovered) + " ran build " +
+                                    short_build(one.recorded) + ": " + remedy_of(one)}});
+    }
+  }
+  return notes;
+}
+
 /// Of the plugin that brought it; null for a core of the program itself.
 Json version_of(const Running& running, const std::string& core) {
   const auto* loaded = running.catalog.find(plugin_of(core));
@@ -137,7 +153,7 @@ Result<Json> status(Running& running, const Call& /*call*/) {
                  {"abandoned_threads", abandoned_threads(running)},
                  {"lost_to_quarantine", lost_to_quarantine(running)},
                  {"probations", probations(running)},
-                 {"notes", wiring_notes(running)},
+                 {"notes", notes_of(running)},
                  {"unknown_values", running.supervisor.lost_values()},
                  {"recovered", running.recovered == 0 ? Json() : Json(running.recovered)},
                  {"quarantine", running.quarantined.size()}};

@@ -94,6 +94,29 @@ TEST_F(GenerationsTest, KeepTheirAuthorAndConfirmationWhenTheirTextIsSavedAnew) 
   EXPECT_EQ(kept->text(1).value(), "{ \"plugins\": [] }");
 }
 
+TEST_F(GenerationsTest, RecordTheBuildsThatTheyRanWithAlsoWhenTheseChange) {
+  auto ran = numbered(1);
+  ran.builds = {{"slip", "fa032653"}, {"arm", "12ab"}};
+  ASSERT_TRUE(kept->save(ran, "{}"));
+  ran.builds["slip"] = "9651293e";
+
+  ASSERT_TRUE(kept->save(ran, "{}")) << "a reload of a plugin without users makes no generation";
+  ASSERT_TRUE(kept->mark(1, Confirmation::rolled_back));
+  open();
+
+  EXPECT_EQ(kept->find(1)->builds, (Builds{{"slip", "9651293e"}, {"arm", "12ab"}}));
+  EXPECT_FALSE(kept->find(2));
+}
+
+TEST_F(GenerationsTest, ThatAnOlderMauvedSavedRecordNoBuild) {
+  ASSERT_TRUE(kept->save(numbered(1), "{}"));
+  ASSERT_EQ(TempDir::read(dir / "generations" / "000001.json").find("builds"), std::string::npos);
+
+  open();
+
+  EXPECT_TRUE(kept->find(1)->builds.empty());
+}
+
 TEST_F(GenerationsTest, OfWhichAFileIsDamagedAreListedAsSuchAndNotRead) {
   ASSERT_TRUE(kept->save(numbered(1), "{ \"gain\": 1 }"));
   ASSERT_TRUE(kept->save(numbered(2), "{ \"gain\": 2 }"));

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "state/builds.h"
+
+#include <cstddef>
+
+#include "plugin/load/catalog.h"
+
+namespace mauve::daemon {
+
+Builds builds_of(const plugin::Catalog& catalog) {
+  Builds builds;
+  for (const auto* loaded : catalog.plugins()) {
+    const auto& info = loaded->info();
+    if (!info.build_id.empty()) {
+      builds.emplace(info.name, info.build_id);
+    }
+  }
+  return builds;
+}
+
+std::vector<OtherBuild> other_builds(const Builds& recorded, const plugin::Catalog& catalog) {
+  std::vector<OtherBuild> others;
+  for (const auto& [plugin, build] : builds_of(catalog)) {
+    const auto found = recorded.find(plugin);
+    if (found != recorded.end() && found->second != build) {
+      others.push_back({plugin, found->second, build, catalog.find(plugin)->info().file});
+    }
+  }
+  return others;
+}
+
+std::string short_build(const std::string& build_id) {
+  constexpr std::size_t kEnough = 8;
+  return build_id.substr(0, kEnough);
+}
+
+std::string remedy_of(const OtherBuild& one) {
+  return "put build " + short_build(one.recorded) + " in place of " + one.file +
+         ", then mauvectl reload " + one.plugin;
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// A generation has no code: it records the builds of its plugins, and answers say when others run.
+#include "kept_daemon.h"
+
+namespace mauve::test {
+namespace {
+
+using testing::HasSubstr;
+
+const Json kTrialAgain = {{"plugin", "trial"}};
+
+class BuildsOfPlugins : public Generations {
+ protected:
+  /// "9651293e" of the plugin that runs.
+  [[nodiscard]] std::string build() { return short_of(plugin()["build_id"]); }
+  [[nodiscard]] Json plugin() { return daemon.ask("plugin.list")["items"][0]; }
+  [[nodiscard]] std::string recorded() { return short_of(newest(daemon)["builds"]["trial"]); }
+  [[nodiscard]] Json status_notes() {
+    Json notes = Json::array();
+    const auto status = daemon.ask("status.get");
+    for (const auto& note : status["notes"]) {
+      if (note["address"] == "trial") {
+        notes.push_back(note["text"]);
+      }
+    }
+    return notes;
+  }
+  [[nodiscard]] std::string file() const { return (daemon.plugins() / "trial.so").string(); }
+
+  TrialDaemon daemon{kTrial, options()};
+
+ private:
+  static std::string short_of(const Json& build_id) {
+    return build_id.get<std::string>().substr(0, 8);
+  }
+};
+
+TEST_F(BuildsOfPlugins, AreNamedByAStartAfterACrashWhereOthersRun) {
+  ASSERT_EQ(daemon.ask("change.confirm")["saved"], true);
+  const auto before = build();
+  EXPECT_EQ(recorded(), before);
+  crash(daemon);
+  daemon.install(2);
+
+  daemon.start();
+
+  const auto now = build();
+  ASSERT_NE(now, before);
+  const auto remedy =
+      "put build " + before + " in place of " + file() + ", then mauvectl reload trial";
+  EXPECT_THAT(daemon.errors(),
+              HasSubstr("generation 1 ran build " + before + " of plugin trial, and build " + now +
+                        " runs now: " + remedy));
+  ASSERT_EQ(status_notes().size(), 1U);
+  EXPECT_THAT(status_notes()[0].get<std::string>(), HasSubstr(remedy));
+  EXPECT_EQ(recorded(), now) << "of the generation that runs";
+
+  daemon.install(1);
+  ASSERT_EQ(daemon.ask("plugin.reload", kTrialAgain)["state"], "applied");
+  EXPECT_TRUE(status_notes().empty()) << "the former build runs again";
+}
+
+TEST_F(BuildsOfPlugins, AreNamedByNoStartThatRunsTheSame) {
+  ASSERT_EQ(daemon.ask("change.confirm")["saved"], true);
+  crash(daemon);
+
+  daemon.start();
+
+  EXPECT_TRUE(status_notes().empty());
+  EXPECT_THAT(daemon.errors(), testing::Not(HasSubstr("of plugin trial, and build")));
+}
+
+TEST_F(BuildsOfPlugins, AreRecordedAnewByAReloadAndItsUndo) {
+  const auto first = recorded();
+  daemon.install(2);
+  ASSERT_EQ(daemon.ask("plugin.reload", kTrialAgain)["saved"], true);
+  ASSERT_NE(recorded(), first);
+
+  ASSERT_EQ(daemon.ask("change.undo")["state"], "applied");
+
+  EXPECT_TRUE(eventually([&] { return newest(daemon)["generation"] == 3; }));
+  EXPECT_EQ(recorded(), first);
+}
+
+}  // namespace
+}  // namespace mauve::test
