@@ -82,5 +82,31 @@ TEST_F(BuildsOfPlugins, AreRecordedAnewByAReloadAndItsUndo) {
   EXPECT_EQ(recorded(), first);
 }
 
+TEST_F(BuildsOfPlugins, AreNamedByAnUndoThatLeavesTheFileOfTheOther) {
+  const auto former = build();
+  daemon.install(2);
+  ASSERT_EQ(daemon.ask("plugin.reload", kTrialAgain)["state"], "applied");
+  const auto undone_build = build();
+  const auto leaves = file() + " held build " + undone_build +
+                      " at the reload, and the next start or reload of trial loads this file: put "
+                      "build " +
+                      former + " in its place";
+
+  const auto plan = daemon.ask("change.undo", {{"dry_run", true}});
+  const auto undone = daemon.ask("change.undo");
+
+  EXPECT_EQ(plan["notes"], Json({"an undo changes no file: " + leaves})) << plan;
+  EXPECT_EQ(undone["notes"], plan["notes"]) << undone;
+  EXPECT_EQ(build(), former);
+  EXPECT_TRUE(eventually([&] { return daemon.errors().find(leaves) != std::string::npos; }))
+      << daemon.errors();
+}
+
+TEST_F(BuildsOfPlugins, AreNoneOfTheNotesOfAnUndoThatConcernsNoReload) {
+  ASSERT_EQ(daemon.ask("param.set", {{"values", {{"first.core.gain", 3.0}}}})["state"], "applied");
+
+  EXPECT_FALSE(daemon.ask("change.undo").contains("notes"));
+}
+
 }  // namespace
 }  // namespace mauve::test

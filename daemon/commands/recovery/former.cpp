@@ -25,6 +25,14 @@ bool ends_a_probation(const Outcome& outcome) {
          outcome.kind == Outcome::Kind::rolled_back;
 }
 
+/// "/usr/lib/mauve/plugins/slip.so held build fa032653 at the reload, and the next start or reload
+/// of slip loads this file: put build 9651293e in its place"
+std::string on_file(const plugin::PluginInfo& undone, const plugin::PluginInfo& former) {
+  return undone.file + " held build " + short_build(undone.build_id) +
+         " at the reload, and the next start or reload of " + undone.name +
+         " loads this file: put build " + short_build(former.build_id) + " in its place";
+}
+
 /// The former build has its names again. Returns the code that loses them.
 Former::Leaving restore_names(Running& running, plugin::LoadedPlugin former) {
   const auto info = former.info();
@@ -35,8 +43,10 @@ Former::Leaving restore_names(Running& running, plugin::LoadedPlugin former) {
         {{"plugin", info.name}, {"text", failed ? "its names are gone" : failed.error().message}});
     return {};
   }
-  running.log.write(Event::plugin_given_back,
-                    {{"plugin", info.name}, {"version", info.version}, {"build", info.build_id}});
+  running.log.write(Event::plugin_given_back, {{"plugin", info.name},
+                                               {"version", info.version},
+                                               {"build", info.build_id},
+                                               {"text", on_file((*failed)->info(), info)}});
   return {(*failed)->library(), {}, "its reload was rolled back"};
 }
 
@@ -67,6 +77,20 @@ void keep_former(Running& running, plugin::LoadedPlugin former) {
   const std::string name = former.info().name;
   running.former.kept.insert_or_assign(
       name, Former::Kept{running.deployer.generation(), std::move(former)});
+}
+
+std::vector<std::string> notes_on_files(const Running& running,
+                                        const std::vector<std::uint64_t>& changes) {
+  MAUVE_ON_THREAD(control);
+  std::vector<std::string> notes;
+  for (const auto& [name, kept] : running.former.kept) {
+    const auto* undone = running.catalog.find(name);
+    const bool goes = std::ranges::find(changes, kept.generation) != changes.end();
+    if (goes && undone != nullptr && undone->info().build_id != kept.plugin.info().build_id) {
+      notes.push_back("an undo changes no file: " + on_file(undone->info(), kept.plugin.info()));
+    }
+  }
+  return notes;
 }
 
 void let_former_go(Running& running, const Outcome& outcome) {

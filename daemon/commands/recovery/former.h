@@ -47,6 +47,11 @@ struct Former {
 /// [control] The reload that made the generation in force is on probation.
 void keep_former(Running& running, plugin::LoadedPlugin former);
 
+/// [control] A note on each plugin whose reload is one of these changes: undone, it leaves its file
+/// as it is.
+[[nodiscard]] std::vector<std::string> notes_on_files(const Running& running,
+                                                      const std::vector<std::uint64_t>& changes);
+
 /// [control] A probation has ended: the code that is not needed any more leaves, and after a
 /// rollback the former one has its names again.
 void let_former_go(Running& running, const Outcome& outcome);

@@ -131,6 +131,7 @@ Json undone_json(const Running& running, const ChangeOnProbation& newest) {
                  {"undone", change_json(newest)},
                  {"components", Json::array()}};
   say_notes(newest.notes, result);
+  say_notes(notes_on_files(running, newest.changes), result);
   return result;
 }
 
