@@ -39,8 +39,7 @@ void log_start_warnings(logging::Log& log, const Deployer& deployer,
   }
 }
 
-void log_other_builds(logging::Log& log, std::uint64_t generation,
-                      const std::vector<OtherBuild>& others) {
+void log_other_builds(logging::Log& log, std::uint64_t generation, const OtherBuilds& others) {
   for (const auto& one : others) {
     log.write(Event::plugin_other_build, {{"generation", static_cast<std::int64_t>(generation)},
                                           {"plugin", one.plugin},

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <set>
 #include <string>
-#include <vector>
 
 #include "log/log.h"
 #include "mauve/host/deployer.h"
@@ -21,8 +20,7 @@ void log_start_warnings(logging::Log& log, const Deployer& deployer,
 
 /// [main] Logs each plugin that runs in another build than the one that this saved generation ran
 /// with.
-void log_other_builds(logging::Log& log, std::uint64_t generation,
-                      const std::vector<OtherBuild>& others);
+void log_other_builds(logging::Log& log, std::uint64_t generation, const OtherBuilds& others);
 
 /// [main] Logs each component that starts with one of these cores, which are in quarantine.
 void log_cores_in_quarantine(logging::Log& log, const Architecture& architecture,

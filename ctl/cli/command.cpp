@@ -109,8 +109,10 @@ constexpr Command kCommands[] = {
     {"history",
      "List the saved generations with time, user, changes and reason, or compare two of them",
      "mauvectl history -n 10", kHistory, false, run_history},
-    {"rollback", "Return to a saved generation", "mauvectl rollback 41", kRollback, true,
-     run_rollback},
+    {"rollback",
+     "Return to a saved generation. A generation has no code: the plugins stay in the builds that "
+     "run",
+     "mauvectl rollback 41", kRollback, true, run_rollback},
     {"lock", "Lock the system against changes, except stop and confirm",
      "mauvectl lock all --reason mission", kLock, true, run_lock},
     {"logs", "Print the last events", "mauvectl logs -f gnss --level warn", kLogs, false, run_logs},

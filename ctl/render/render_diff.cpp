@@ -84,7 +84,7 @@ std::string render_applied(std::string_view file, const Json& result, Look look)
 
 std::string render_plan(std::string_view file, const Json& result, Look look) {
   const std::string lines = change_lines(result, look);
-  if (lines.empty()) return same_as(file, result);
+  if (lines.empty()) return same_as(file, result) + note_lines(result, look);
   std::string members;
   for (const Json& member : list_in(result, "components")) {
     join(members, word(member, "name"));

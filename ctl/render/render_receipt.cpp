@@ -124,7 +124,8 @@ std::string render_receipt(std::string_view done, const Json& receipt, Look look
   const std::string generation = word(receipt, "generation");
   const std::string already = already_so(receipt, look);
   if (member(receipt, "changed") == false) {
-    return "nothing to change (generation " + generation + " still running)\n" + already;
+    return "nothing to change (generation " + generation + " still running)\n" + already +
+           note_lines(receipt, look);
   }
   const Json& components = member(receipt, "components");
   std::string text(done);

@@ -112,20 +112,21 @@ struct Running {
   RollbackLines rollback_lines = {};        ///< [control] of the changes on probation
   Started started = {};                     ///< [control]
   std::uint64_t recovered = 0;  ///< the saved generation that this run began with; 0: the file
-  std::vector<OtherBuild> other_builds = {};  ///< [control] than it ran with, at the start
-  StateStore* store = nullptr;                ///< null: nothing is kept
-  Guardian* guardian = nullptr;               ///< [any] for `status`; null: it shows none
-  Recorder* recorder = nullptr;               ///< of traces; its functions name their threads
-  Lock lock = Lock::none;                     ///< [control], see lock.h
-  Author author = {};                         ///< [control] of the newest generation by request
-  Realtime realtime = Realtime::prefer;       ///< as mauved was started
-  std::vector<std::string> path_dirs = {};    ///< further directories that path_rule() allows
-  std::vector<DecidingPath> deciding = {};    ///< see deciding_paths.h
-  DiskWatch disk_watch = {};                  ///< [control]
-  Failures failures = {};                     ///< [control] see commands/look/notice.h
-  server::Refusals refusals = {};             ///< [any]
-  Counts counts = {};                         ///< [any]
-  Deadlines deadlines = {};                   ///< [any]
+  /// [control] Plugins of which the recovered generation ran another build than the start loaded.
+  OtherBuilds other_builds = {};
+  StateStore* store = nullptr;              ///< null: nothing is kept
+  Guardian* guardian = nullptr;             ///< [any] for `status`; null: it shows none
+  Recorder* recorder = nullptr;             ///< of traces; its functions name their threads
+  Lock lock = Lock::none;                   ///< [control], see lock.h
+  Author author = {};                       ///< [control] of the newest generation by request
+  Realtime realtime = Realtime::prefer;     ///< as mauved was started
+  std::vector<std::string> path_dirs = {};  ///< further directories that path_rule() allows
+  std::vector<DecidingPath> deciding = {};  ///< see deciding_paths.h
+  DiskWatch disk_watch = {};                ///< [control]
+  Failures failures = {};                   ///< [control] see commands/look/notice.h
+  server::Refusals refusals = {};           ///< [any]
+  Counts counts = {};                       ///< [any]
+  Deadlines deadlines = {};                 ///< [any]
   /// [any] Judges a file of this user beside the running system, then calls the function on
   /// [control]: see Judge::ask().
   std::function<void(const Asker&, const Question&, std::function<void(Result<Json>)>)> judge = {};

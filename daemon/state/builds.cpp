@@ -18,8 +18,8 @@ Builds builds_of(const plugin::Catalog& catalog) {
   return builds;
 }
 
-std::vector<OtherBuild> other_builds(const Builds& recorded, const plugin::Catalog& catalog) {
-  std::vector<OtherBuild> others;
+OtherBuilds other_builds(const Builds& recorded, const plugin::Catalog& catalog) {
+  OtherBuilds others;
   for (const auto& [plugin, build] : builds_of(catalog)) {
     const auto found = recorded.find(plugin);
     if (found != recorded.end() && found->second != build) {

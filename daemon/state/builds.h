@@ -24,13 +24,14 @@ struct OtherBuild {
   std::string file;  ///< that it was loaded from
 };
 
+using OtherBuilds = std::vector<OtherBuild>;
+
 /// [control], or [main] before that runs.
 [[nodiscard]] Builds builds_of(const plugin::Catalog& catalog);
 
 /// [control], or [main] before that runs. The plugins of which another build was recorded. One that
 /// is not recorded, or is not loaded, is none of them.
-[[nodiscard]] std::vector<OtherBuild> other_builds(const Builds& recorded,
-                                                   const plugin::Catalog& catalog);
+[[nodiscard]] OtherBuilds other_builds(const Builds& recorded, const plugin::Catalog& catalog);
 
 /// "9651293e": enough of a build id for people.
 [[nodiscard]] std::string short_build(const std::string& build_id);

@@ -102,6 +102,43 @@ TEST_F(BuildsOfPlugins, AreNamedByAnUndoThatLeavesTheFileOfTheOther) {
       << daemon.errors();
 }
 
+TEST_F(BuildsOfPlugins, AreNotBroughtBackByARollbackToAGenerationThatSaysSo) {
+  const auto former = build();
+  daemon.install(2);
+  const Json unproven = {{"plugin", "trial"}, {"probation", "off"}};
+  ASSERT_EQ(daemon.ask("plugin.reload", unproven)["saved"], true);
+  const auto remedy =
+      "put build " + former + " in place of " + file() + ", then mauvectl reload trial";
+  const Json notes = {"generation 1 ran build " + former + " of trial, and build " + build() +
+                      " runs: a rollback brings no code back; " + remedy};
+
+  const auto plan = daemon.ask("config.rollback", {{"generation", 1}, {"dry_run", true}});
+  const auto same = daemon.ask("config.rollback", {{"generation", 1}});
+  ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);
+  const auto back = daemon.ask("config.rollback", {{"generation", 1}});
+
+  EXPECT_EQ(plan["notes"], notes) << plan;
+  EXPECT_EQ(same["changed"], false) << same;
+  EXPECT_EQ(same["notes"], notes) << same;
+  EXPECT_EQ(back["changed"], true) << back;
+  EXPECT_EQ(back["notes"][0], notes[0]) << back;
+  EXPECT_THAT(daemon.ctl({"rollback", "1"}).out, HasSubstr("a rollback brings no code back"));
+  EXPECT_FALSE(daemon.ask("config.rollback", {{"generation", 2}}).contains("notes"));
+}
+
+TEST_F(BuildsOfPlugins, AreTheHintOfAnUndoOfAReloadThatIsOffProbation) {
+  const auto former = build();
+  daemon.install(2);
+  const Json unproven = {{"plugin", "trial"}, {"probation", "off"}};
+  ASSERT_EQ(daemon.ask("plugin.reload", unproven)["saved"], true);
+
+  const auto refused = daemon.ask("change.undo");
+
+  EXPECT_EQ(refused["data"]["hint"], "put build " + former + " in place of " + file() +
+                                         ", then mauvectl reload trial; a rollback brings no code "
+                                         "back");
+}
+
 TEST_F(BuildsOfPlugins, AreNoneOfTheNotesOfAnUndoThatConcernsNoReload) {
   ASSERT_EQ(daemon.ask("param.set", {{"values", {{"first.core.gain", 3.0}}}})["state"], "applied");
 

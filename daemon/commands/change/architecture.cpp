@@ -30,6 +30,7 @@
 #include "commands/model.h"
 #include "commands/recovery/abandoned.h"
 #include "commands/recovery/quarantine.h"
+#include "commands/say.h"
 #include "mauve/host/architecture.h"
 #include "monitor/supervisor.h"
 
@@ -42,8 +43,12 @@ using logging::Event;
 /// Another architecture beside the running one.
 class Application final : public ChangeHooks {
  public:
-  Application(Running& running, std::string text, bool dry_run)
-      : running_(running), text_(std::move(text)), catalog_(running.catalog), dry_run_(dry_run) {}
+  Application(Running& running, std::string text, std::optional<Generation> saved, bool dry_run)
+      : running_(running),
+        text_(std::move(text)),
+        saved_(std::move(saved)),
+        catalog_(running.catalog),
+        dry_run_(dry_run) {}
   /// The texts that the elements logged last lie in the code of their plugin, so the elements go
   /// first.
   ~Application() override {
@@ -140,6 +145,7 @@ class Application final : public ChangeHooks {
     if (dry_run_) {
       result["dry_run"] = true;
     }
+    say_notes(notes_on_builds(), result);
   }
   [[nodiscard]] std::optional<std::vector<arch::Line>> lines() const override {
     return all_lines();
@@ -147,6 +153,17 @@ class Application final : public ChangeHooks {
   [[nodiscard]] bool dry_run() const override { return dry_run_; }
 
  private:
+  /// A rollback to a saved generation brings no code back.
+  [[nodiscard]] std::vector<std::string> notes_on_builds() const {
+    std::vector<std::string> notes;
+    for (const auto& one : saved_ ? other_builds(saved_->builds, catalog_) : OtherBuilds()) {
+      notes.push_back("generation " + std::to_string(saved_->number) + " ran build " +
+                      short_build(one.recorded) + " of " + one.plugin + ", and build " +
+                      short_build(one.runs) + " runs: a rollback brings no code back; " +
+                      remedy_of(one));
+    }
+    return notes;
+  }
   [[nodiscard]] std::vector<arch::Line> all_lines() const {
     std::vector<arch::Line> lines;
     for (const auto& name : plugins_) {
@@ -164,7 +181,8 @@ class Application final : public ChangeHooks {
 
   Running& running_;
   std::string text_;
-  plugin::Catalog catalog_;  // the running one, with the additions of the file
+  std::optional<Generation> saved_;  // of which the text is
+  plugin::Catalog catalog_;          // the running one, with the additions of the file
   bool dry_run_;
   arch::Problems problems_;
   std::unique_ptr<Architecture> wanted_;
@@ -287,16 +305,16 @@ void load_then_apply(Running& running, const CallPtr& call, ApplicationPtr appli
 }  // namespace
 
 void apply_architecture(Running& running, const CallPtr& call, Ticket ticket, std::string text,
-                        const std::string& reason) {
+                        const std::optional<Generation>& saved) {
   MAUVE_ON_THREAD(control);
-  if (!reason.empty() && text_or(call->params, "reason").empty()) {
-    call->params["reason"] = reason;
+  if (saved && text_or(call->params, "reason").empty()) {
+    call->params["reason"] = "rollback to generation " + std::to_string(saved->number);
   }
   auto question = question_of(running, *call);
   question.text = text;
   question.loads = true;
   auto application =
-      std::make_shared<Application>(running, std::move(text), flag(call->params, "dry_run"));
+      std::make_shared<Application>(running, std::move(text), saved, flag(call->params, "dry_run"));
   try_out(running, call, question, text_or(call->params, "file", "text"),
           [&running, call, application, ticket = std::move(ticket)] {
             load_then_apply(running, call, application, ticket);
@@ -304,7 +322,7 @@ void apply_architecture(Running& running, const CallPtr& call, Ticket ticket, st
 }
 
 void apply_file(Running& running, const CallPtr& call, Ticket ticket) {
-  apply_architecture(running, call, std::move(ticket), text_or(call->params, "text"), "");
+  apply_architecture(running, call, std::move(ticket), text_or(call->params, "text"));
 }
 
 /// In a process of its own, so that a viewer may ask: nothing that the file names is made here.

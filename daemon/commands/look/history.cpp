@@ -147,7 +147,7 @@ void rollback(Running& running, const CallPtr& call, Ticket ticket) {
           return answer(running, *call, (*text)->error());
         }
         apply_architecture(running, call, std::move(ticket), ***std::move(text),
-                           "rollback to generation " + std::to_string(number));
+                           running.store->generations().find(number));
       },
       [&running, call](const std::string& hook) {
         answer(running, *call, thread_abandoned(running, hook, "config.rollback"));

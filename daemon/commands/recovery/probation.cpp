@@ -58,7 +58,18 @@ Status nothing_else(const Json& params) {
   return ok();
 }
 
-/// The error with the rollback to a saved generation as its hint, if one is saved.
+/// A reload changes code only, which no rollback brings back. Empty: the former build is not known,
+/// or is the one that runs.
+std::string hint_for(const Running& running, const Generation& saved) {
+  const auto now = running.store->generations().find(running.deployer.generation());
+  if (!now || now->command != "plugin.reload") {
+    return "mauvectl rollback " + std::to_string(saved.number);
+  }
+  const auto others = other_builds(saved.builds, running.catalog);
+  return others.empty() ? "" : remedy_of(others.front()) + "; a rollback brings no code back";
+}
+
+/// The error with the way to the newest saved generation as its hint, if one is saved.
 Error no_rollback(const Running& running, Error error) {
   const auto now = running.deployer.generation();
   error.hint.clear();
@@ -67,7 +78,7 @@ Error no_rollback(const Running& running, Error error) {
   }
   for (const auto& saved : running.store->generations().list()) {
     if (saved.number < now && !saved.damaged) {
-      error.hint = "mauvectl rollback " + std::to_string(saved.number);
+      error.hint = hint_for(running, saved);
       break;  // the newest first
     }
   }
