@@ -57,9 +57,10 @@ std::string render_diff(std::string_view file, const Json& result, Look look) {
     lines.insert(lines.size() - 1,
                  " (apply refuses this: keep the name, or start mauved with this file)");
   }
-  if (lines.empty()) return same_as(file, result);
+  const std::string notes = note_lines(result, look);
+  if (lines.empty()) return same_as(file, result) + notes;
   return "--- what runs, generation " + word(result, "generation") + "\n+++ " + harmless(file) +
-         "\n" + lines;
+         "\n" + lines + notes;
 }
 
 std::string render_compared(std::uint64_t from, std::uint64_t to, const Json& result, Look look) {

@@ -23,6 +23,29 @@ std::string warnings_of(const Json& plugin, const std::string& name, Look look) 
   return text;
 }
 
+constexpr std::size_t kShortBuild = 8;
+
+/// The build that runs, and on a line of its own the build that would be loaded next.
+std::string builds_of(const Json& plugin, Look look) {
+  const std::string runs = word(plugin, "build_id").substr(0, kShortBuild);
+  const Json& on_disk = member(plugin, "build_on_disk");
+  const bool other = plugin.contains("build_on_disk");
+  std::string text = runs.empty() ? "" : " (build " + runs + ")";
+  if (const auto users = whole_number(plugin, "users"); users > 0) {
+    text += ", " + counted(users, "object") + " in use";
+  }
+  text += "\n";
+  if (!other) return text;
+  const std::string reload = "mauvectl reload " + word(plugin, "name");
+  const std::string line =
+      on_disk.is_null()
+          ? "  no build can be loaded from its file now, so a start would fail: " + reload +
+                " --dry-run says why"
+          : "  its file holds build " + compact(on_disk).substr(0, kShortBuild) +
+                ", which the next start, or " + reload + ", loads";
+  return text + painted(wrapped(harmless(line), look.width, 4), Paint::yellow, look.colour) + "\n";
+}
+
 }  // namespace
 
 std::string render_plugin(std::string_view done, const Json& result, Look look) {
@@ -45,11 +68,8 @@ std::string render_plugins(const Json& result, Look look) {
   std::string text;
   for (const Json& plugin : items) {
     const std::string name = word(plugin, "name");
-    text += painted(name, Paint::bold, look.colour) + " " + word(plugin, "version");
-    if (const auto users = whole_number(plugin, "users"); users > 0) {
-      text += ", " + counted(users, "object") + " in use";
-    }
-    text += "\n";
+    text += painted(name, Paint::bold, look.colour) + " " + word(plugin, "version") +
+            builds_of(plugin, look);
     for (const char* kind : kKinds) {
       std::string names;
       for (const Json& one : list_in(plugin, kind)) {

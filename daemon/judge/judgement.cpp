@@ -90,6 +90,12 @@ void compare(const Question& question, const Made& running, Made& wanted,
   if (!difference.exchanged.empty()) {
     result["exchanged"] = difference.exchanged;
   }
+  for (const auto& one : other_builds(question.builds, catalog)) {
+    result["notes"].push_back(one.plugin + " runs build " + short_build(one.recorded) +
+                              ", and its file holds build " + short_build(one.runs) +
+                              ", which the next start, or mauvectl reload " + one.plugin +
+                              ", loads");
+  }
 }
 
 Json cores_of(const Architecture& architecture, const plugin::Catalog& catalog) {
@@ -109,6 +115,7 @@ Json cores_of(const Architecture& architecture, const plugin::Catalog& catalog) 
 Json to_json(const Question& question) {
   Json json{{"text", question.text},
             {"loaded", question.loaded},
+            {"builds", question.builds},
             {"loads", question.loads},
             {"lists_cores", question.lists_cores}};
   if (question.running) {
@@ -122,8 +129,12 @@ std::optional<Question> question_of(const std::string& text) {
   if (!json.is_object() || !json.contains("text")) {
     return std::nullopt;
   }
-  Question question{json["text"], std::nullopt, json.value("loaded", std::vector<std::string>()),
-                    json.value("loads", false), json.value("lists_cores", false)};
+  Question question{json["text"],
+                    std::nullopt,
+                    json.value("loaded", std::vector<std::string>()),
+                    json.value("builds", Builds()),
+                    json.value("loads", false),
+                    json.value("lists_cores", false)};
   if (json.contains("running")) {
     question.running = json["running"];
   }

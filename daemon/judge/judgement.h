@@ -10,6 +10,7 @@
 #include "arch/text/problem.h"
 #include "plugin/load/catalog.h"
 #include "protocol/framing.h"
+#include "state/builds.h"
 
 namespace mauve::arch {
 struct Line;
@@ -29,6 +30,7 @@ struct Question {
   /// only checked.
   std::optional<std::string> running = std::nullopt;
   std::vector<std::string> loaded = {};  ///< plugins that run already
+  Builds builds = {};                    ///< of these, for notes; empty: without notes
   bool loads = false;        ///< the file may name others too: the caller may load plugins
   bool lists_cores = false;  ///< of a good file, the result lists the cores with their builds
 };
@@ -37,10 +39,10 @@ struct Question {
 /// Of the text that to_json() gives; nothing when it makes no sense.
 [[nodiscard]] std::optional<Question> question_of(const std::string& text);
 
-/// {"errors":[...]} and, when the files are compared and good, {"same","lines","exchanged"?}. When
-/// it was asked for and the file is good, {"cores":[{"component","core","build_id"}]}.
-/// Refused when the running architecture cannot be made from the plugin files of now. Loads plugins
-/// into `catalog` and makes all elements.
+/// {"errors":[...]} and, when the files are compared and good,
+/// {"same","lines","exchanged"?,"notes"?}. When it was asked for and the file is good,
+/// {"cores":[{"component","core","build_id"}]}. Refused when the running architecture cannot be
+/// made from the plugin files of now. Loads plugins into `catalog` and makes all elements.
 [[nodiscard]] Result<Json> judge(const Question& question, plugin::Catalog catalog);
 
 /// [{"line","column","at","code","message","hint"}], in the order of the file: the first 200, and

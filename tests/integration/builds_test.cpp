@@ -29,7 +29,6 @@ class BuildsOfPlugins : public Generations {
 
   TrialDaemon daemon{kTrial, options()};
 
- private:
   static std::string short_of(const Json& build_id) {
     return build_id.get<std::string>().substr(0, 8);
   }
@@ -137,6 +136,30 @@ TEST_F(BuildsOfPlugins, AreTheHintOfAnUndoOfAReloadThatIsOffProbation) {
   EXPECT_EQ(refused["data"]["hint"], "put build " + former + " in place of " + file() +
                                          ", then mauvectl reload trial; a rollback brings no code "
                                          "back");
+}
+
+TEST_F(BuildsOfPlugins, AreComparedWithTheFilesOnDiskByPluginsAndDiff) {
+  const auto before = build();
+  const auto text = exported(daemon).dump();
+  EXPECT_FALSE(plugin().contains("build_on_disk"));
+  EXPECT_FALSE(daemon.ask("architecture.diff", {{"text", text}}).contains("notes"));
+  daemon.install(2);
+
+  const auto row = plugin();
+  const auto diff = daemon.ask("architecture.diff", {{"text", text}});
+
+  ASSERT_TRUE(row.contains("build_on_disk")) << row;
+  const auto on_disk = short_of(row["build_on_disk"]);
+  EXPECT_EQ(build(), before);
+  EXPECT_NE(on_disk, before);
+  EXPECT_EQ(diff["same"], true) << diff;
+  EXPECT_EQ(diff["notes"],
+            Json({"trial runs build " + before + ", and its file holds build " + on_disk +
+                  ", which the next start, or mauvectl reload trial, "
+                  "loads"}));
+
+  std::filesystem::remove(file());
+  EXPECT_EQ(plugin()["build_on_disk"], nullptr);
 }
 
 TEST_F(BuildsOfPlugins, AreNoneOfTheNotesOfAnUndoThatConcernsNoReload) {

@@ -329,6 +329,7 @@ void apply_file(Running& running, const CallPtr& call, Ticket ticket) {
 void diff_architecture(Running& running, const CallPtr& call, Ticket /*none*/) {
   auto question = question_of(running, *call);
   question.running = arch::to_json_text(described(running));
+  question.builds = builds_of(running.catalog);
   const auto compared = running.deployer.generation();  // a later one may run when the answer comes
   running.judge(asker_of(*call), question, [&running, call, compared](Result<Json> judged) {
     if (!judged) {

@@ -9,6 +9,7 @@
 #include "mauve/detail/port_base.h"
 #include "mauve/host/architecture.h"
 #include "mauve/service.h"
+#include "plugin/load/plugin_file.h"
 #include "protocol/openrpc.h"
 
 namespace mauve::daemon {
@@ -165,10 +166,28 @@ Result<Json> list_cores(Running& running, const Call& call) {
   return items(std::move(rows));
 }
 
-Result<Json> list_plugins(Running& running, const Call& call) {
-  const auto contract = wanted_contract(running, call);
+/// [answer] Adds the builds of the files of now where these are others, or cannot be loaded.
+void add_builds_on_disk(const std::vector<std::string>& directories, Json& rows) {
+  for (auto& row : rows) {
+    if (text_or(row, "build_id").empty()) {
+      continue;  // it is part of the program, or its build is not known
+    }
+    const auto on_disk = plugin::build_on_disk(directories, row["name"].get<std::string>(),
+                                               plugin::Trust::of_this_process());
+    if (!on_disk || *on_disk != row["build_id"]) {
+      row["build_on_disk"] = on_disk ? Json(*on_disk) : Json();
+    }
+  }
+}
+
+/// The files are read on [answer], since [control] waits for no disk.
+void list_plugins(Running& running, const CallPtr& call, Ticket /*none*/) {
+  const auto contract = wanted_contract(running, *call);
   if (!contract) {
-    return contract.error();
+    return answer(running, *call, contract.error());
+  }
+  if (auto room = check_long_answers(running, *call); !room) {
+    return answer(running, *call, room.error());
   }
   Json rows = Json::array();
   for (const auto* loaded : running.catalog.plugins()) {
@@ -179,7 +198,12 @@ Result<Json> list_plugins(Running& running, const Call& call) {
       rows.push_back({{"name", info.name}, {"version", info.version}, {"cores", std::move(cores)}});
     }
   }
-  return items(std::move(rows));
+  const auto write = [&running, call, rows = std::move(rows),
+                      directories = running.catalog.directories()]() mutable {
+    add_builds_on_disk(directories, rows);
+    answer(running, *call, items(std::move(rows)));
+  };
+  running.control.write_out(write, asker_of(*call));
 }
 
 Result<Json> list_ports(Running& running, const Call& call) {

@@ -15,6 +15,7 @@
 
 #include "base/address.h"
 #include "base/name.h"
+#include "plugin/elf/elf.h"
 #include "rt/process/descriptor.h"
 
 namespace mauve::plugin {
@@ -175,6 +176,15 @@ Result<PluginFile> read_plugin_file(const std::vector<std::string>& directories,
     if (auto found = read_from(directory, name, trust)) return *std::move(found);
   }
   return not_found(directories, name);
+}
+
+Result<std::string> build_on_disk(const std::vector<std::string>& directories,
+                                  std::string_view name, const Trust& trust) {
+  const auto file = read_plugin_file(directories, name, trust);
+  if (!file) return file.error();
+  auto facts = inspect(file->bytes, name);
+  if (!facts) return facts.error();
+  return std::move(facts->build_id);
 }
 
 }  // namespace mauve::plugin

@@ -28,8 +28,13 @@ std::string installed_directory();
 
 /// Reads NAME.so from the first directory that has it. Refused: a text that is not a name, a
 /// symbolic link, a special file, more than 256 MiB. Refused: a file that `trust` refuses, also for
-/// any directory above it. [factory]
+/// any directory above it. Waits for the disk. [any but control and rt]
 Result<PluginFile> read_plugin_file(const std::vector<std::string>& directories,
                                     std::string_view name, const Trust& trust);
+
+/// The build id of the file that read_plugin_file() finds, with the same refusals; also refused: a
+/// file that cannot be loaded. No code of it runs.
+Result<std::string> build_on_disk(const std::vector<std::string>& directories,
+                                  std::string_view name, const Trust& trust);
 
 }  // namespace mauve::plugin

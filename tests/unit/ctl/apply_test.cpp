@@ -61,6 +61,18 @@ TEST(RenderDiff, IsOneSentenceWhenNothingDiffers) {
   EXPECT_EQ(render_diff("rover.json", kSame, {}), "rover.json is what runs (generation 41)\n");
 }
 
+TEST(RenderDiff, AndAPlanShowNotesAlsoWhenNothingDiffers) {
+  Json result = kSame;
+  result["notes"] = {"slip runs build 9651293e"};
+  const std::string same =
+      "rover.json is what runs (generation 41)\nnote: slip runs build 9651293e\n";
+
+  EXPECT_EQ(render_diff("rover.json", result, {}), same);
+  EXPECT_EQ(render_plan("rover.json", result, {}), same);
+  EXPECT_EQ(render_receipt("applied", result, {}),
+            "nothing to change (generation 41 still running)\nnote: slip runs build 9651293e\n");
+}
+
 TEST(RenderDiff, SaysWhyMembersWaitForEachOtherAndWhatAPlanMayCost) {
   Json result = kResult;
   result["sync"] = "barrier";

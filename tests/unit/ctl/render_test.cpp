@@ -198,6 +198,23 @@ TEST(RenderPlugins, SayWhatEachBrings) {
   EXPECT_EQ(render_plugins(Json::parse(R"({"items": []})"), {}), "none\n");
 }
 
+TEST(RenderPlugins, SayWhichBuildRunsAndWhichTheFileHolds) {
+  const Json result = Json::parse(R"({"items": [
+    {"name": "slip", "version": "1.0.0", "build_id": "9651293e77", "users": 2,
+     "build_on_disk": "fa03265388"},
+    {"name": "arm", "version": "1.0.0", "build_id": "12ab34cd56", "build_on_disk": null},
+    {"name": "demo", "version": "1.0.0", "build_id": "0011223344"}]})");
+
+  EXPECT_EQ(
+      render_plugins(result, {}),
+      "slip 1.0.0 (build 9651293e), 2 objects in use\n"
+      "  its file holds build fa032653, which the next start, or mauvectl reload slip, loads\n"
+      "arm 1.0.0 (build 12ab34cd)\n"
+      "  no build can be loaded from its file now, so a start would fail: mauvectl reload arm "
+      "--dry-run says why\n"
+      "demo 1.0.0 (build 00112233)\n");
+}
+
 TEST(RenderPlugins, ForAComponentAreTheCoresToSwapIn) {
   const Json result = Json::parse(R"({"items": [{"name": "guidance", "version": "1.2.0",
     "cores": ["guidance/finite_time", "guidance/stop"]}]})");
