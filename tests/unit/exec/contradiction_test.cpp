@@ -86,5 +86,17 @@ TEST_F(Contradictions, CountJobsOverTheBudgetAnewWithAnotherBudgetOrCore) {
   EXPECT_EQ(over(), 0U);
 }
 
+/// `show` has both beside each other.
+TEST_F(Contradictions, AreNoneBetweenTheLastAndTheLongestJobOfAnotherCore) {
+  ASSERT_TRUE(deployer.apply({{ramp::to_core<Costly>("Costly")}}));
+  deployer.run_for(100ms);
+  ASSERT_EQ(deployer.status("control").execution_last, 350us);
+
+  ASSERT_TRUE(deployer.apply({{ramp::to_core<ramp::Down>("Down")}}));
+
+  EXPECT_EQ(deployer.status("control").execution_max, 0us);
+  EXPECT_EQ(deployer.status("control").execution_last, 0us);
+}
+
 }  // namespace
 }  // namespace mauve
