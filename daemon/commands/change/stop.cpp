@@ -136,8 +136,7 @@ void stop(Running& running, const CallPtr& call, Ticket /*none: it waits for no 
     const auto state = running.deployer.status(name).state;
     if (state == ComponentState::stopped) {
       stopped.push_back(name);
-    }
-    if (state == ComponentState::running) {
+    } else {
       lines.push_back(arch::make_line("start", name + ".start", true, false));
     }
   }

@@ -100,10 +100,11 @@ class Merger {
     if (const auto component = find_component(architecture_, step.subject); !component) {
       return component.error();
     }
-    // One that recovers is neither stopped nor does it run: either step is to be done.
+    // One that is faulted or recovers is neither stopped nor does it run: either step is to be
+    // done.
     const ComponentState state = deployer_.status(step.subject).state;
     const bool runs = state == ComponentState::running;
-    const bool stands = !runs && state != ComponentState::recovering;
+    const bool stands = state == ComponentState::stopped;
     const bool wanted = step.action == Action::start;
     if (wanted ? !runs : !stands) edit_of(step).mode = wanted ? Mode::run : Mode::park;
     return ok();

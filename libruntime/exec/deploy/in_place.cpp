@@ -91,6 +91,7 @@ std::shared_ptr<Ongoing> begin_in_place_park(System& system, PreparedChange& cha
   const bool runs = state == ComponentState::running || state == ComponentState::recovering;
   member.resume = runs || (member.restores && state == ComponentState::faulted);
   PreparedMember step = member_of(*member.component, runs ? Mode::park : Mode::keep);
+  step.keeps_fault = true;
   step.base = step.next = member.base;  // else a rollback came between: nothing is parked
   // The core that runs is cleaned up: nothing may roll back meanwhile.
   for (auto& note : notes_of(system, change.content())) {

@@ -30,6 +30,14 @@ Resources reached(const ComponentBase& component, bool by_safe_writes) {
   return resources;
 }
 
+/// Does a stop change its state? One that is faulted is stopped too, unless no thread is left that
+/// could take the order.
+bool stops(const Deployed& deployed) {
+  const ComponentState state = deployed.state();
+  return state == ComponentState::running ||
+         (state == ComponentState::faulted && deployed.task->watch().busy_since() >= 0);
+}
+
 bool shares(const Resources& a, const Resources& b) {
   return std::any_of(a.begin(), a.end(), [&](const auto* item) { return b.count(item) != 0; });
 }
@@ -128,7 +136,7 @@ void Stop::park_free() {
       return false;
     }
     deployed->task->mailbox().end_halt();  // from here on it is this stop that parks it
-    if (deployed->state() == ComponentState::running) {
+    if (stops(*deployed)) {
       names.push_back(deployed->component->name());
       content->members.push_back(member_of(*deployed->component, Mode::park));
       deployed->parking = true;

@@ -95,6 +95,8 @@ std::unique_ptr<TaskUpdate> make_update(const PreparedMember& member) {
   next->prefetch_set = std::make_shared<const PrefetchSet>(*member.next);
   next->mode = member.mode;
   next->mode_only = member.next == member.base && member.part != Part::joins;
+  next->ends_fault =
+      member.mode == Mode::park && member.part == Part::changes && !member.keeps_fault;
   next->restart = member.restart;
   next->count_gap = member.count_gap;
   next->bound = bound_of(*member.next);

@@ -50,7 +50,8 @@ struct PreparedMember {
   StatePolicy state = StatePolicy::keep;
   bool restart = false;
   bool count_gap = false;
-  bool resume = false;    ///< in place: it ran before it was parked
+  bool resume = false;       ///< in place: it ran before it was parked
+  bool keeps_fault = false;  ///< in place: one that fails before it is parked stays faulted
   bool restores = false;  ///< in place: back to the core before, so a faulted component runs again
   Retired made;           ///< its new elements, cleaned up and freed unless they get in force
   /// The standby core that takes over when `next` fails, from its first job on; null: none.

@@ -296,7 +296,8 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::map_state(const TaskUpdate& next) {
 /// Stops, starts, or goes on at the release that was armed before.
 MAUVE_RUNS_AT_A_SWAP void Boundary::rearm(const TaskUpdate& next, bool was_running) {
   if (next.mode == Mode::park) {
-    if (was_running) task_.park(ComponentState::stopped);
+    const bool faulted = task_.report.counters().state.load() == ComponentState::faulted;
+    if (was_running || (faulted && next.ends_fault)) task_.park(ComponentState::stopped);
   } else if (next.mode == Mode::run && !was_running) {
     start(next);
   } else if (task_.running) {

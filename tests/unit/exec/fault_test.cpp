@@ -66,6 +66,32 @@ TEST(Fault, FaultedComponentStartsAgainWithAnotherCore) {
   EXPECT_EQ(deployer.status("left").state, ComponentState::running);
 }
 
+/// A stop is an order of the user, which a saved generation keeps; that of a fault is none.
+TEST(Fault, EndsWithTheStopOfItsComponent) {
+  TwoThrowing architecture;
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  deployer.run_for(100ms);
+  const auto before = deployer.generation();
+
+  const Result<Receipt> stopped = deployer.stop({"left"});
+
+  ASSERT_TRUE(stopped) << to_string(stopped.error());
+  EXPECT_EQ(stopped->state, ChangeState::applied);
+  EXPECT_EQ(stopped->generation, before + 1);
+  EXPECT_EQ(deployer.status("left").state, ComponentState::stopped);
+  EXPECT_EQ(deployer.status("left").faults, 1U) << "it is counted all the same";
+  EXPECT_EQ(ramp::read(architecture.left_position), -1.0);
+  EXPECT_EQ(deployer.status("right").state, ComponentState::running);
+  const Result<Receipt> again = deployer.stop({"left"});
+  ASSERT_TRUE(again) << to_string(again.error());
+  EXPECT_EQ(again->state, ChangeState::unchanged);
+  ASSERT_TRUE(deployer.swap_core<ramp::Down>("left"));
+  ASSERT_TRUE(deployer.start({"left"}));
+  deployer.run_for(50ms);
+  EXPECT_EQ(deployer.status("left").state, ComponentState::running);
+}
+
 /// Reads what `left` writes and passes it on, like a driver.
 struct Pass : ramp::RampCore {
   void update() override { shell().out.write(shell().speed.read()); }
