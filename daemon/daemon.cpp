@@ -157,6 +157,7 @@ Status Daemon::load() {
     return refuse({Errc::invalid_value, "file_has_errors"}, origin_.file,
                   arch::summary(problems.sorted()), notify::how_to_see_all());
   }
+  keep_stopped();
   supervisor_.adopt(std::move(supervision));
   for (const auto* loaded : catalog_.plugins()) {
     log_.write(Event::plugin_loaded, {{"plugin", loaded->info().name},
@@ -165,6 +166,18 @@ Status Daemon::load() {
                                       {"build_id", loaded->info().build_id}});
   }
   return ok();
+}
+
+/// A stop outlives the run, also if the generation that is started is older than the stop.
+void Daemon::keep_stopped() {
+  for (const auto& name : origin_.stopped) {
+    if (auto* component = architecture_->find_component(name)) {
+      component->task().start = false;
+      log_.write(
+          Event::stays_stopped,
+          {{"component", name}, {"generation", static_cast<std::int64_t>(origin_.stopped_in)}});
+    }
+  }
 }
 
 /// So that a path in the architecture begins at the architecture, wherever mauved was started.
@@ -266,7 +279,7 @@ void Daemon::keep_the_first() {
   first.builds = builds_of(catalog_);
   first.reason =
       origin_.generation == 0 ? origin_.file : "generation " + std::to_string(origin_.generation);
-  store_->begin(first, described(*running_));
+  store_->begin(first, described(*running_), origin_.generation);
   begin_start(*running_, origin_.replaces, origin_.crashes);
   running_->recovered = origin_.generation;
 }

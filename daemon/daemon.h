@@ -46,6 +46,7 @@ class Daemon {
   Status open_store();
   Status start();
   Status load();
+  void keep_stopped();
   Status enter_folder();
   Status deploy();
   Status serve();

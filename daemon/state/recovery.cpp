@@ -81,16 +81,19 @@ std::string folder_of(const Generation& one, const Options& options) {
                                                          : folder_of(options.architecture);
 }
 
-/// The crash counts for the newest confirmed generation of the architecture that was started. A
-/// generation that was never confirmed needs no count, because it is not started again anyway.
-void count_crash(Generations& generations, std::uint64_t started, logging::Log& log) {
+/// The crash counts for the newest confirmed generation of the architecture that was started, with
+/// the components stopped that stay stopped. A generation that was never confirmed needs no count,
+/// because it is not started again anyway.
+void count_crash(Generations& generations, std::uint64_t started, const Names& stopped,
+                 logging::Log& log) {
   const auto ran = generations.text(started);
   if (!ran) {
     return;
   }
+  const auto same = text_with_stopped(*ran, stopped);
   for (const auto& one : generations.list()) {
     const auto text = generations.text(one.number);
-    if (one.mark != Confirmation::confirmed || !text || *text != *ran) {
+    if (one.mark != Confirmation::confirmed || !text || text_with_stopped(*text, stopped) != same) {
       continue;
     }
     if (auto counted = generations.set_crashes(one.number, one.crashes + 1); !counted) {
@@ -100,7 +103,9 @@ void count_crash(Generations& generations, std::uint64_t started, logging::Log& 
   }
 }
 
-std::optional<Origin> last_confirmed(const Options& options, StateStore& store, logging::Log& log) {
+/// The newest confirmed generation of the last system that can be started.
+std::optional<Origin> last_confirmed(const Options& options, StateStore& store,
+                                     const LastSystem& last, logging::Log& log) {
   const auto& generations = store.generations();
   std::vector<std::string> passed_over;
   for (const auto& one : generations.list()) {
@@ -112,16 +117,19 @@ std::optional<Origin> last_confirmed(const Options& options, StateStore& store, 
                   {},
                   folder_of(one, options),
                   one.number,
-                  one.crashes,
-                  one.command == kRecover ? one.number : 0};
+                  one.crashes};
     auto text = generations.text(one.number);
-    if (text && (one.damaged || std::ranges::find(passed_over, *text) != passed_over.end())) {
+    if (text && name_in(*text) != last.name) {
+      continue;  // another system
+    }
+    const auto starts = text ? text_with_stopped(*text, last.stopped) : std::string();
+    if (text && (one.damaged || std::ranges::find(passed_over, starts) != passed_over.end())) {
       continue;  // of one that was damaged a moment ago the mark is not known
     }
     if (text && one.crashes >= kMostCrashes) {
       log.write(Event::generation_passed_over,
                 {{"generation", number}, {"count", static_cast<std::int64_t>(one.crashes)}});
-      passed_over.push_back(*std::move(text));
+      passed_over.push_back(starts);
       continue;
     }
     auto usable = text ? ok() : Status(text.error());
@@ -131,6 +139,8 @@ std::optional<Origin> last_confirmed(const Options& options, StateStore& store, 
       usable = trial.survived ? trial.good : trial.survived;
     }
     if (usable) {
+      const bool same = starts == text_with_stopped(origin.text, {});
+      origin.replaces = one.command == kRecover && same ? one.number : 0;
       log.write(store.crashed() ? Event::generation_recovered : Event::generation_continued,
                 {{"generation", number}, {"time", one.time}, {"file", options.architecture}});
       return origin;
@@ -138,28 +148,58 @@ std::optional<Origin> last_confirmed(const Options& options, StateStore& store, 
     log.write(Event::generation_unusable,
               {{"generation", number}, {"text", to_string(usable.error())}});
   }
-  log.write(Event::nothing_to_recover,
-            {{"text", store.crashed() ? "the last run crashed" : "an upgrade restarted mauved"},
-             {"file", options.architecture}});
   return std::nullopt;
+}
+
+std::string end_of_the_last_run(const StateStore& store) {
+  return store.crashed() ? "the last run crashed" : "an upgrade restarted mauved";
+}
+
+/// A robot whose software is gone must not be driven by another system.
+Status check_name(const std::string& text, const Options& options, const StateStore& store,
+                  const LastSystem& last) {
+  const auto name = name_in(text);
+  if (last.generation == 0 || name.empty() || name == last.name) {
+    return ok();
+  }
+  return refuse(
+      {Errc::wrong_state, "other_system"}, options.architecture,
+      "is of architecture \"" + name + "\", but \"" + last.name +
+          "\" ran before: " + end_of_the_last_run(store) + ", and no saved generation of \"" +
+          last.name + "\" can be started (the lines before say why). Nothing runs",
+      "put the former build of the plugin in place, or a file of \"" + last.name +
+          "\" at this path; the next start takes it. Only mauved --fresh starts \"" + name + "\"");
 }
 
 }  // namespace
 
 Result<Origin> what_to_start(const Options& options, StateStore* store, logging::Log& log) {
+  const auto last = store != nullptr ? last_system(store->generations()) : LastSystem();
   if (store != nullptr && store->crashed_generation() != 0) {
-    count_crash(store->generations(), store->crashed_generation(), log);
+    count_crash(store->generations(), store->crashed_generation(), last.stopped, log);
   }
-  if (store != nullptr && (store->crashed() || store->continues()) && !options.fresh) {
-    if (auto origin = last_confirmed(options, *store, log)) {
-      return *std::move(origin);
-    }
+  const bool recovers =
+      store != nullptr && (store->crashed() || store->continues()) && !options.fresh;
+  auto recovered = recovers ? last_confirmed(options, *store, last, log) : std::nullopt;
+  if (recovered) {
+    recovered->stopped = last.stopped;
+    recovered->stopped_in = last.generation;
+    return *std::move(recovered);
   }
   auto text = arch::read_file(options.architecture);
   if (!text) {
     return text.error();
   }
   Origin origin{options.architecture, *std::move(text), folder_of(options.architecture)};
+  if (recovers) {
+    if (auto same = check_name(origin.text, options, *store, last); !same) {
+      return same.error();
+    }
+    log.write(Event::nothing_to_recover,
+              {{"text", end_of_the_last_run(*store)}, {"file", options.architecture}});
+    origin.stopped = last.stopped;
+    origin.stopped_in = last.generation;
+  }
   if (auto survived = trial_of(origin, options, Json()).survived; !survived) {
     return survived.error();
   }

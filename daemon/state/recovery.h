@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The choice of the architecture that mauved starts: its file, or after a crash the last one that
-/// ran.
+/// The choice of the architecture that mauved starts: its file, or after a crash the last confirmed
+/// generation of the system that ran.
 #pragma once
 
 #include <chrono>
@@ -8,6 +8,7 @@
 #include <string>
 
 #include "options.h"
+#include "state/last_system.h"
 #include "state/state_store.h"
 
 namespace mauve::daemon {
@@ -20,12 +21,16 @@ struct Origin {
   std::uint64_t generation = 0;  ///< the saved one; 0: the file of the command line
   unsigned crashes = 0;          ///< see Generation
   std::uint64_t replaces = 0;    ///< itself a copy that an earlier recovery made; 0: it is not
+  Names stopped = {};            ///< components that stay stopped, whatever the text says
+  std::uint64_t stopped_in = 0;  ///< the generation in which they are
 };
 
-/// After a crash or an upgrade: the newest confirmed generation that is whole and whose parts all
-/// exist. A generation whose last kMostCrashes runs in a row all crashed within kSoon is passed
-/// over. Otherwise, and with --fresh: the file of the command line. A crash is counted when the
-/// machine ran on. `store` may be null: nothing is kept. [main]
+/// After a crash or an upgrade: the newest confirmed generation that is whole, whose parts all
+/// exist, and whose architecture has the name of the one that ran last. A generation whose last
+/// kMostCrashes runs in a row all crashed within kSoon is passed over. If there is none, the file
+/// of the command line; refused if that is of another name. In each case the components stay
+/// stopped that were stopped last. Otherwise, and with --fresh: the file as it is. A crash is
+/// counted when the machine ran on. `store` may be null: nothing is kept. [main]
 [[nodiscard]] Result<Origin> what_to_start(const Options& options, StateStore* store,
                                            logging::Log& log);
 

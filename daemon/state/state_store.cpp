@@ -73,7 +73,8 @@ void StateStore::put_aside(const std::filesystem::path& folder) {
                        : "is no folder: it is now " + other + ", and no generation is known"));
 }
 
-void StateStore::begin(const Generation& first, const Value& architecture) {
+void StateStore::begin(const Generation& first, const Value& architecture,
+                       std::uint64_t recovered) {
   for (const auto& one : generations_->list()) {
     const bool by_itself = one.command.find('.') == std::string::npos;  // methods have one
     if (last_run_.crashed() && by_itself && one.mark == Confirmation::unconfirmed) {
@@ -84,18 +85,21 @@ void StateStore::begin(const Generation& first, const Value& architecture) {
     last_run_.started(first.number);
   }
   first_ = first.number;
+  recovered_ = recovered;
   disk_.start();
 }
 
-/// After an orderly end the crashes of the architecture that this run began with count anew.
+/// After an orderly end the crashes of the architecture that this run began with count anew, also
+/// if components stayed stopped that run in the saved one.
 void StateStore::end_row_of_crashes() {
   const auto began = generations_->text(first_);
+  const auto recovered = generations_->text(recovered_);
   for (const auto& one : generations_->list()) {
-    if (one.crashes == 0 || !began) {
+    if (one.crashes == 0) {
       continue;
     }
     const auto text = generations_->text(one.number);
-    if (text && *text == *began) {
+    if (text && ((began && *text == *began) || (recovered && *text == *recovered))) {
       static_cast<void>(generations_->set_crashes(one.number, 0));
     }
   }

@@ -50,8 +50,9 @@ class StateStore {
   [[nodiscard]] const std::string& directory() const { return directory_; }
 
   /// Saves the generation that this run starts with, waiting for the disk, and begins to write on
-  /// [disk]. After a crash the unconfirmed starts are removed. [main]
-  void begin(const Generation& first, const Value& architecture);
+  /// [disk]. After a crash the unconfirmed starts are removed. `recovered`: the saved generation
+  /// from which it starts; 0: none. [main]
+  void begin(const Generation& first, const Value& architecture, std::uint64_t recovered = 0);
   /// Writes all that waits, then records the end of the run. [main]
   void end();
 
@@ -122,6 +123,7 @@ class StateStore {
   std::atomic<bool> saved_{true};
   std::optional<Json> unsaved_cores_;  ///< [disk] in quarantine
   std::uint64_t first_ = 0;            ///< of this run
+  std::uint64_t recovered_ = 0;        ///< from which this run started; 0: none
   std::uint64_t newest_ = 0;           ///< [disk] that was to be saved, and its mark if it was not
   Confirmation newest_mark_ = Confirmation::unconfirmed;
   bool audit_broken_ = false;  ///< [disk] one complaint each until it works again

@@ -16,6 +16,8 @@ TEST_F(Generations, OfAStopAreWorthWhatWasStopped) {
 
   crash(daemon);
   daemon.start();
+  EXPECT_EQ(daemon.component("second")["state"], "stopped") << daemon.errors();
+  ASSERT_EQ(daemon.ask("component.start", second)["saved"], true);
   EXPECT_EQ(exported(daemon), in_the_file);
 
   ASSERT_EQ(daemon.ask("component.stop", second)["state"], "applied");

@@ -10,7 +10,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr const char* kEmpty = R"({ "schema": "mauve/architecture/1", "name": "empty" })";
+constexpr const char* kNoComponents = R"({ "schema": "mauve/architecture/1", "name": "trial" })";
 
 TEST_F(Generations, AreStartedOnceAfterTheOrderlyEndOfAnUpgrade) {
   TrialDaemon daemon(kTrial, options());
@@ -52,11 +52,11 @@ TEST_F(Generations, OfAnUpgradeLeaveTheFileWhenNoneCanBeBuilt) {
   daemon.process().signal(SIGTERM);
   ASSERT_EQ(daemon.process().wait(), 0) << daemon.errors();
   std::filesystem::remove(daemon.plugins() / "trial.so");
-  daemon.place().write("trial.json", kEmpty);
+  daemon.place().write("trial.json", kNoComponents);
 
   daemon.start();
 
-  EXPECT_EQ(exported(daemon)["name"], "empty");
+  EXPECT_FALSE(exported(daemon)["components"].contains("first"));
   EXPECT_THAT(daemon.errors(),
               HasSubstr("an upgrade restarted mauved and no saved generation can be started"));
 }
