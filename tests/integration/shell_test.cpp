@@ -261,5 +261,24 @@ TEST(WaitForACondition, EndsWhenItHoldsAndWithExitCodeThreeWhenTheTimePasses) {
   EXPECT_EQ(daemon.ctl({"wait", "--for", "spare.read >"}).exit, 1);
 }
 
+TEST(WaitForACondition, IsRefusedAsInARuleWhereItCanNeverHold) {
+  Operated daemon(wide());
+  const auto refusal = [&](const std::string& condition) {
+    const auto said = daemon.ctl({"wait", "--for", condition, "--timeout", "200ms"});
+    EXPECT_EQ(said.exit, 1) << condition;
+    return errors_of(daemon);
+  };
+
+  EXPECT_THAT(refusal("first.fsm.period > 3"),
+              HasSubstr("write a number and a unit, such as 20ms"));
+  EXPECT_THAT(refusal("first.core.gain < 500ms"),
+              HasSubstr("is a number, but is compared with a duration"));
+  EXPECT_THAT(refusal("first.core > 3"), HasSubstr("is a word, but is compared with a number"));
+  EXPECT_THAT(refusal("first.core < trial/counter"), HasSubstr("use == or !="));
+  EXPECT_THAT(refusal("first.missed > 1000 or first.state == runing"),
+              HasSubstr("did you mean \"running\""));
+  EXPECT_EQ(daemon.ctl({"wait", "--for", "first.fsm.period < 3s"}).exit, 0);
+}
+
 }  // namespace
 }  // namespace mauve::test

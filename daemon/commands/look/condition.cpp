@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// condition.get: the truth of a condition, as of a rule, now.
 #include "rules/condition.h"
+#include "arch/build/check_rules.h"
 #include "arch/parse/quantity.h"
 #include "arch/text/value_json.h"
 #include "commands/answer.h"
@@ -20,6 +21,9 @@ Result<Json> condition(Running& running, const Call& call) {
   };
   auto values = Json::array();
   for (const auto& comparison : wanted->comparisons()) {
+    if (auto possible = arch::check_comparison(running.architecture, comparison); !possible) {
+      return possible.error();
+    }
     const auto value = reader(comparison.address);
     if (!value) {
       return value.error();

@@ -17,6 +17,19 @@ namespace {
 
 using rules::Comparison;
 
+/// A condition is looked at a hundred times a second, on a thread that runs no user code.
+Status check_stored(const Quantity& quantity) {
+  const ServiceBase* service = quantity.target.service;
+  if (const PortBase* port = quantity.target.port) {
+    const Binding* binding = connection(quantity.target.element, *port);
+    if (binding != nullptr) service = &binding->service();
+  }
+  if (service == nullptr || service->resource().type().name == kSharedData) return ok();
+  return refuse({Errc::unsupported, "value_not_stored"}, service->address(),
+                service->address() + " is not stored but made for each reader",
+                "write a condition on an observable, or on shared_data");
+}
+
 class Checker {
  public:
   Checker(const Spec& spec, const Architecture& architecture, const plugin::Catalog& catalog,
@@ -80,40 +93,13 @@ class Checker {
     for (const Comparison& comparison : condition.value.comparisons()) {
       const std::string& address = comparison.address;
       if (was_refused(spec_, architecture_, address.substr(0, address.find('.')))) continue;
-      const Status good = check(comparison);
+      const Status good = check_comparison(architecture_, comparison);
       if (good) continue;
       problems_.add(condition.where, reason_of(good.error()), at,
                     address + " (at character " + std::to_string(comparison.place) +
                         "): " + good.error().message,
                     good.error().hint);
     }
-  }
-
-  Status check(const Comparison& comparison) {
-    const auto quantity = find_quantity(architecture_, comparison.address);
-    if (!quantity) return quantity.error();
-    if (Status kind = rules::check_kind(comparison, quantity->kind); !kind) return kind;
-    if (Status stored = check_stored(*quantity); !stored) return stored;
-    const auto* word = std::get_if<std::string>(&comparison.operand);
-    const auto& words = quantity->words;
-    const bool possible = word == nullptr || words.empty() ||
-                          std::find(words.begin(), words.end(), *word) != words.end();
-    if (possible) return ok();
-    return refuse({Errc::invalid_value, "condition_never_true"}, comparison.address,
-                  "is never \"" + *word + "\"", nearest_hint(*word, words));
-  }
-
-  /// A condition is looked at a hundred times a second, on a thread that runs no user code.
-  Status check_stored(const Quantity& quantity) {
-    const ServiceBase* service = quantity.target.service;
-    if (const PortBase* port = quantity.target.port) {
-      const Binding* binding = connection(quantity.target.element, *port);
-      if (binding != nullptr) service = &binding->service();
-    }
-    if (service == nullptr || service->resource().type().name == kSharedData) return ok();
-    return refuse({Errc::unsupported, "value_not_stored"}, service->address(),
-                  service->address() + " is not stored but made for each reader",
-                  "write a condition on an observable, or on shared_data");
   }
 
   const Spec& spec_;
@@ -124,6 +110,20 @@ class Checker {
 };
 
 }  // namespace
+
+Status check_comparison(const Architecture& architecture, const Comparison& comparison) {
+  const auto quantity = find_quantity(architecture, comparison.address);
+  if (!quantity) return quantity.error();
+  if (Status kind = rules::check_kind(comparison, quantity->kind); !kind) return kind;
+  if (Status stored = check_stored(*quantity); !stored) return stored;
+  const auto* word = std::get_if<std::string>(&comparison.operand);
+  const auto& words = quantity->words;
+  const bool possible = word == nullptr || words.empty() ||
+                        std::find(words.begin(), words.end(), *word) != words.end();
+  if (possible) return ok();
+  return refuse({Errc::invalid_value, "condition_never_true"}, comparison.address,
+                "is never \"" + *word + "\"", nearest_hint(*word, words));
+}
 
 rules::Supervision check_rules(const Spec& spec, const Architecture& architecture,
                                const plugin::Catalog& catalog, Problems& problems) {

@@ -15,6 +15,11 @@ class Catalog;
 
 namespace mauve::arch {
 
+/// Refused: a comparison of a condition that can never hold. There is no such address (with the
+/// nearest name), its value is of another kind, is never this word, or is not stored. [control]
+[[nodiscard]] Status check_comparison(const Architecture& architecture,
+                                      const rules::Comparison& comparison);
+
 /// Every error goes to `problems`: addresses in conditions and steps (with the nearest name), kinds
 /// of values, words that a value never is, cores that do not fit. So do refused values of
 /// properties, and names of transactions. References to a refused element are passed over. The
