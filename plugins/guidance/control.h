@@ -19,9 +19,9 @@ using namespace std::chrono_literals;  // NOLINT: durations of states
 using rover::LaserScan;
 
 struct ControlShell : mauve::Shell {
-  mauve::ReadPort<Pose2D> pose{*this, "pose"};
-  mauve::ReadPort<Point2D> goal{*this, "goal"};
-  mauve::ReadPort<LaserScan> scan{*this, "scan"};
+  mauve::ReadPort<Pose2D> pose{*this, "pose", mauve::Need::required};
+  mauve::ReadPort<Point2D> goal{*this, "goal", mauve::Need::required};
+  mauve::ReadPort<LaserScan> scan{*this, "scan", mauve::Need::required};
   mauve::WritePort<Velocity> command{*this, "command", mauve::Safe{Velocity{}}};
 };
 

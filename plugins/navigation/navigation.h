@@ -31,10 +31,10 @@ using namespace std::chrono_literals;  // NOLINT: durations of states
 using rover::LaserScan;
 
 struct NavigationShell : mauve::Shell {
-  mauve::ReadPort<Point2D> goal{*this, "goal"};
-  mauve::ReadPort<OccupancyGrid> map{*this, "map"};
-  mauve::ReadPort<Pose2D> pose{*this, "pose"};
-  mauve::ReadPort<LaserScan> scan{*this, "scan"};
+  mauve::ReadPort<Point2D> goal{*this, "goal", mauve::Need::required};
+  mauve::ReadPort<OccupancyGrid> map{*this, "map", mauve::Need::required};
+  mauve::ReadPort<Pose2D> pose{*this, "pose", mauve::Need::required};
+  mauve::ReadPort<LaserScan> scan{*this, "scan", mauve::Need::required};
   mauve::WritePort<Point2D> target{*this, "target"};
   mauve::WritePort<Path> path{*this, "path"};
 };

@@ -31,8 +31,8 @@ using rover::Velocity;
 using namespace std::chrono_literals;  // NOLINT: durations of states
 
 struct PilotShell : mauve::Shell {
-  mauve::ReadPort<Velocity> command{*this, "command"};
-  mauve::ReadPort<LaserScan> scan{*this, "scan"};
+  mauve::ReadPort<Velocity> command{*this, "command", mauve::Need::required};
+  mauve::ReadPort<LaserScan> scan{*this, "scan", mauve::Need::required};
   mauve::WritePort<Velocity> safe_command{*this, "safe_command", mauve::Safe{Velocity{}}};
 };
 

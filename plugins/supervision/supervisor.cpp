@@ -41,8 +41,8 @@ using namespace std::chrono_literals;  // NOLINT: durations of properties
 using Areas = mauve::Bounded<Area, 16>;
 
 struct SupervisorShell : mauve::Shell {
-  mauve::ReadPort<Pose2D> pose{*this, "pose"};
-  mauve::ReadPort<Point2D> goal{*this, "goal"};
+  mauve::ReadPort<Pose2D> pose{*this, "pose", mauve::Need::required};
+  mauve::ReadPort<Point2D> goal{*this, "goal", mauve::Need::optional};  // without: never stuck
 };
 
 class Supervisor final : public mauve::Core<SupervisorShell> {

@@ -242,12 +242,30 @@ TEST(Check, FailsUnderStrictAdmissionWhereAStartWould) {
 TEST(Check, AcceptsTheArchitecturesThatAreShipped) {
   TempDir dir;
   const auto errors = (dir / "errors.txt").string();
+  for (const std::string name : {"minimal", "playback", "replay", "yard", "rover"}) {
+    Process check({MAUVE_BIN_DIR "/mauved", MAUVE_ETC_DIR "/" + name + ".json", "--check",
+                   "--plugin-dir", MAUVE_PLUGIN_DIR},
+                  errors);
 
-  Process check({MAUVE_BIN_DIR "/mauved", MAUVE_ETC_DIR "/minimal.json", "--check", "--plugin-dir",
-                 MAUVE_PLUGIN_DIR},
-                errors);
+    EXPECT_THAT(check.all_output(), testing::Not(HasSubstr("is not connected"))) << name;
+    EXPECT_EQ(check.wait(), 0) << name << TempDir::read(errors);
+  }
+}
 
-  EXPECT_EQ(check.wait(), 0) << TempDir::read(errors);
+TEST(Check, NamesAConnectionThatIsForgotten) {
+  TempDir dir;
+  std::string text = TempDir::read(MAUVE_ETC_DIR "/yard.json");
+  const std::string pose = R"("pose": { "connect": "pose.read", "max_age": "200ms" },)";
+  const auto at = text.find(pose);
+  ASSERT_NE(at, std::string::npos);
+  text.erase(at, pose.size());
+  const auto file = dir.write("yard.json", text);
+
+  Process check(
+      {MAUVE_BIN_DIR "/mauved", file.string(), "--check", "--plugin-dir", MAUVE_PLUGIN_DIR});
+
+  EXPECT_THAT(check.all_output(), HasSubstr("note: control.ports.pose is not connected"));
+  EXPECT_EQ(check.wait(), 0) << "it may be meant";
 }
 
 TEST(Log, IsJsonLinesInAFile) {

@@ -29,7 +29,7 @@ namespace trial {
 namespace {
 
 struct TrialShell : mauve::Shell {
-  mauve::ReadPort<double> input{*this, "input", 0.5};
+  mauve::ReadPort<double> input{*this, "input", 0.5, mauve::Need::optional};
   mauve::WritePort<double> output{*this, "output", mauve::Safe{-1.0}};
   mauve::Property<std::int64_t> size{*this, "size", 7, "of the shell"};
 };

@@ -20,7 +20,7 @@ struct Position {
 };
 
 struct Shell : mauve::Shell {
-  mauve::ReadPort<double> speed{*this, "speed", 1.0};
+  mauve::ReadPort<double> speed{*this, "speed", 1.0, mauve::Need::optional};
   mauve::WritePort<double> out{*this, "out", mauve::Safe{-1.0}};
 };
 

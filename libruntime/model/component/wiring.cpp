@@ -26,6 +26,8 @@ std::optional<std::string> without_connection(const PortBase& port) {
     case Need::usual:
       break;
   }
+  if (port.signature().kind == PortKind::read)
+    return "is not connected: each read returns the default of the port, and never data";
   if (!port.has_safe_value()) return std::nullopt;
   return "is not connected: its values, and its safe value, reach nothing";
 }

@@ -46,9 +46,9 @@ class Wiring {
 
     bool operator==(const Note&) const = default;
   };
-  /// The notes concern ports without a connection that are required, or have a safe value and are
-  /// not optional. They also concern services for one value at a time (not of ring buffers) into
-  /// which several ports write.
+  /// The notes concern ports without a connection: those that read or have a safe value, unless
+  /// they are optional, and those that are required. They also concern services for one value at a
+  /// time (not of ring buffers) into which several ports write.
   [[nodiscard]] std::vector<Note> notes() const;
 
  private:

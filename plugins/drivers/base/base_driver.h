@@ -16,7 +16,7 @@ using namespace std::chrono_literals;  // NOLINT: durations of states
 
 struct BaseShell : mauve::Shell {
   /// The wheels obey it, so one port at most may write into its resource.
-  mauve::ReadPort<rover::Velocity> command{*this, "command", mauve::Need::usual,
+  mauve::ReadPort<rover::Velocity> command{*this, "command", mauve::Need::required,
                                            mauve::Writers::one};
   mauve::WritePort<rover::Odometry> odometry{*this, "odometry"};
   mauve::WritePort<rover::Pose2D> pose{*this, "pose"};

@@ -24,7 +24,7 @@ using rover::Odometry;
 using rover::Velocity;
 
 struct WheelsShell : mauve::Shell {
-  mauve::CallPort<Odometry(Velocity, double)> drive{*this, "drive"};
+  mauve::CallPort<Odometry(Velocity, double)> drive{*this, "drive", mauve::Need::required};
 };
 
 class CreateSim final : public mauve::Core<WheelsShell> {

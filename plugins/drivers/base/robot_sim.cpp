@@ -17,11 +17,11 @@ using rover::Pose2D;
 using rover::Velocity;
 
 struct RobotShell : mauve::Shell {
-  mauve::ReadPort<Velocity> command{*this, "command", mauve::Need::usual, mauve::Writers::one};
+  mauve::ReadPort<Velocity> command{*this, "command", mauve::Need::required, mauve::Writers::one};
   mauve::WritePort<Odometry> odometry{*this, "odometry"};
   mauve::WritePort<Pose2D> pose{*this, "pose"};
   mauve::WritePort<rover::Twist> twist{*this, "twist"};
-  mauve::CallPort<Odometry(Velocity, double)> drive{*this, "drive"};
+  mauve::CallPort<Odometry(Velocity, double)> drive{*this, "drive", mauve::Need::required};
 };
 
 class RobotSim final : public mauve::Core<RobotShell> {

@@ -18,7 +18,7 @@ namespace {
 using rover::GnssFix;
 
 struct ReceiverShell : mauve::Shell {
-  mauve::ReadPort<GnssFix> antenna{*this, "antenna"};
+  mauve::ReadPort<GnssFix> antenna{*this, "antenna", mauve::Need::required};
 };
 
 class ReceiverSim final : public mauve::Core<ReceiverShell> {

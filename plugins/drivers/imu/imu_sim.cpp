@@ -15,7 +15,7 @@ namespace drivers {
 namespace {
 
 struct ImuSimShell : mauve::Shell {
-  mauve::ReadPort<rover::Imu> world{*this, "world"};
+  mauve::ReadPort<rover::Imu> world{*this, "world", mauve::Need::required};
 };
 
 class ImuSim final : public mauve::Core<ImuSimShell> {

@@ -20,7 +20,7 @@ namespace drivers {
 namespace {
 
 struct ScannerShell : mauve::Shell {
-  mauve::ReadPort<rover::LaserScan> world{*this, "world"};
+  mauve::ReadPort<rover::LaserScan> world{*this, "world", mauve::Need::required};
 };
 
 class HokuyoSim final : public mauve::Core<ScannerShell> {

@@ -11,7 +11,7 @@ using rover::LaserScan;
 
 struct LaserSimShell : mauve::Shell {
   mauve::WritePort<LaserScan> scan{*this, "scan"};
-  mauve::ReadPort<LaserScan> world{*this, "world"};
+  mauve::ReadPort<LaserScan> world{*this, "world", mauve::Need::required};
 };
 
 class LaserSim final : public mauve::Core<LaserSimShell> {

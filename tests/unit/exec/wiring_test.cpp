@@ -31,6 +31,7 @@ struct Pilot : Core<PilotShell> {
 };
 struct MotorShell : Shell {
   ReadPort<double> command{*this, "command", Need::usual, Writers::one};
+  ReadPort<double> trim{*this, "trim", Need::optional};
 };
 struct Motor : Core<MotorShell> {
   void update() {}
@@ -171,7 +172,7 @@ TEST(ExclusiveOutput, KnowsItsOnlyWriter) {
   EXPECT_EQ(wiring.only_writer(robot.shared.write_service()), "") << "others may write too";
 }
 
-TEST(Notes, NameOutputsAndRequiredPortsWithoutConnectionAndNothingElse) {
+TEST(Notes, NameOutputsAndRequiredPortsWithoutConnectionAndNoOptionalOnes) {
   Robot robot;
   ASSERT_TRUE(robot.configure());
 
@@ -181,6 +182,18 @@ TEST(Notes, NameOutputsAndRequiredPortsWithoutConnectionAndNothingElse) {
                   "machine.ports.speed is not connected: its values, and its safe value, reach "
                   "nothing",
                   "machine.ports.map is not connected, and its component requires it"));
+}
+
+TEST_F(ExclusiveOutputAtRunTime, WithoutAnyWriterIsNotedUnlessItIsOptional) {
+  const auto done = deployer.apply({{disconnect("motor", "command")}});
+
+  ASSERT_TRUE(done);
+  const auto note =
+      "motor.ports.command is not connected: each read returns the default of the port, and never "
+      "data";
+  EXPECT_THAT(done->warnings, Contains(note));
+  EXPECT_THAT(notes_of(robot), Contains(note));
+  EXPECT_THAT(notes_of(robot), Not(Contains(HasSubstr("motor.ports.trim"))));
 }
 
 TEST(Notes, NameTheWritersOfOneValueAndNotThoseOfAQueue) {

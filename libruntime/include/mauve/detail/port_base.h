@@ -20,12 +20,12 @@ struct Exchange;
 class ServiceBase;
 class Shell;
 
-/// How important a connection is. `mauved --check`, a start and `status` name ports without one
-/// that are required, and those that have a safe value unless they are optional.
+/// How important a connection is. `mauved --check`, a start, `status` and the answer of a change
+/// name a port without one, if it is a read port or has a safe value, unless it is optional.
 enum class Need : std::uint8_t {
-  usual,     ///< named when it has a safe value
+  usual,     ///< a read port, or one with a safe value, is named when it is left open
   optional,  ///< may be left open
-  required,  ///< named when it is left open
+  required,  ///< a port of any kind is named when it is left open
 };
 
 /// The result of PortBase::connect(). When the caller does not examine an error, the next
