@@ -189,6 +189,11 @@ int run_confirm(Session& session) {
   const auto answer = session.call("change.confirm", Json::object());
   if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
   const auto& receipt = std::get<Json>(answer);
+  if (member(receipt, "changed") == false) {
+    session.print(receipt, "generation " + word(receipt, "generation") +
+                               " is kept already: no change is on probation\n");
+    return 0;
+  }
   std::string changes;
   for (const Json& one : list_in(receipt, "confirmed")) join(changes, changes_in_words(one));
   if (changes.empty()) changes = "the generation that runs";  // new code without a probation

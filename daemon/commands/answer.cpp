@@ -43,9 +43,11 @@ void keep(Running& running, const Call& call, std::optional<Confirmation> mark, 
                       running.deployer.generation(/*before_stops=*/true));
 }
 
-void remember_author(Running& running, const Call& call, std::uint64_t generation) {
+void remember_author(Running& running, const Call& call, const Json& result,
+                     std::uint64_t generation) {
   if (generation != running.author.generation && generation != call.before) {
-    running.author = {generation, call.caller.peer.uid, std::string(call.method->name)};
+    running.author = {generation, call.caller.peer.uid, std::string(call.method->name),
+                      changes_of(result)};
   }
 }
 
@@ -87,7 +89,7 @@ void answer_applied(Running& running, const Call& call, Json result) {
   const auto its = made == result.end() ? generation : made->get<std::uint64_t>();
   result["generation"] = generation;
   if (!call.method->harmless()) {
-    remember_author(running, call, generation);
+    remember_author(running, call, result, generation);
     remember_change(running, call, result, its);
   }
   if (const auto lines = result.find("lines");

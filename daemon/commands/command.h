@@ -60,6 +60,7 @@ struct Author {
   std::uint64_t generation = 0;
   uid_t uid = 0;
   std::string command;
+  std::string changes;  ///< in the lines of `plan`, bounded; may be empty
 };
 
 /// A generation in force that has no rollback: after a start, or a reload with probation off.
@@ -114,11 +115,12 @@ struct Running {
   std::uint64_t recovered = 0;  ///< the saved generation that this run began with; 0: the file
   /// [control] Plugins of which the recovered generation ran another build than the start loaded.
   OtherBuilds other_builds = {};
-  StateStore* store = nullptr;              ///< null: nothing is kept
-  Guardian* guardian = nullptr;             ///< [any] for `status`; null: it shows none
-  Recorder* recorder = nullptr;             ///< of traces; its functions name their threads
-  Lock lock = Lock::none;                   ///< [control], see lock.h
-  Author author = {};                       ///< [control] of the newest generation by request
+  StateStore* store = nullptr;   ///< null: nothing is kept
+  Guardian* guardian = nullptr;  ///< [any] for `status`; null: it shows none
+  Recorder* recorder = nullptr;  ///< of traces; its functions name their threads
+  Lock lock = Lock::none;        ///< [control], see lock.h
+  Author author = {};            ///< [control] of the newest generation by request
+  std::uint64_t rollback = 0;    ///< [control] the generation of the newest rollback; 0: none
   Realtime realtime = Realtime::prefer;     ///< as mauved was started
   std::vector<std::string> path_dirs = {};  ///< further directories that path_rule() allows
   std::vector<DecidingPath> deciding = {};  ///< see deciding_paths.h

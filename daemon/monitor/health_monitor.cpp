@@ -190,6 +190,7 @@ void HealthMonitor::report(const Outcome& outcome) {
   running_->counts.note(outcome);
   if (outcome.kind == Outcome::Kind::rolled_back) {
     running_->supervisor.roll_back(outcome.changes);  // before the generation is saved
+    running_->rollback = outcome.generation;
   }
   const auto changes = changes_back(outcome);
   running_->log.write(event_of(outcome), {{"component", outcome.component},

@@ -310,7 +310,8 @@ TEST_F(Generations, AreNamedWhenThereIsNothingToUndo) {
   const auto refused = daemon.ask("change.undo");
 
   EXPECT_EQ(refused["data"]["name"], "wrong_state") << refused;
-  EXPECT_EQ(refused["data"]["hint"], "mauvectl rollback 1");
+  EXPECT_EQ(refused["data"]["hint"],
+            "mauvectl rollback 1: to before the newest change (~ first.core.gain: 1 -> 3)");
 }
 
 TEST_F(Generations, CannotBeRolledBackToWhenTheyAreNotKept) {

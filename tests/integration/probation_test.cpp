@@ -98,7 +98,44 @@ TEST(Probation, UndoAnswersWhenEverythingIsBack) {
   const auto again = daemon.ask("change.undo");
   EXPECT_EQ(again["data"]["name"], "wrong_state");
   EXPECT_THAT(again["message"].get<std::string>(), HasSubstr("generation 3 is off probation"));
-  EXPECT_EQ(again["data"].value("hint", ""), "") << "nothing is kept that could be rolled back to";
+  EXPECT_EQ(again["data"].value("hint", ""), "mauvectl logs shows the changes");
+}
+
+TEST(Probation, UndoOfAChangeThatIsKeptNamesTheOldValue) {
+  TrialDaemon daemon;
+  const Json change = {{"values", {{"first.core.gain", 3.0}}}, {"probation", "off"}};
+  ASSERT_EQ(daemon.ask("param.set", change)["state"], "applied");
+
+  const auto refused = daemon.ask("change.undo");
+
+  EXPECT_EQ(refused["data"]["name"], "wrong_state") << refused;
+  EXPECT_EQ(refused["data"].value("hint", ""),
+            "set the old value, or make the opposite change; the newest change is "
+            "~ first.core.gain: 1 -> 3");
+}
+
+TEST(Probation, ConfirmOfAChangeThatIsKeptSaysSo) {
+  TrialDaemon daemon;
+  const Json change = {{"values", {{"first.core.gain", 3.0}}}, {"probation", "off"}};
+  ASSERT_EQ(daemon.ask("param.set", change)["state"], "applied");
+
+  const auto said = daemon.ctl({"confirm"});
+
+  EXPECT_EQ(said.exit, 0);
+  EXPECT_EQ(said.out, "generation 2 is kept already: no change is on probation\n");
+  EXPECT_EQ(daemon.ask("change.confirm")["changed"], false);
+  EXPECT_EQ(daemon.value("first.core.gain"), 3.0);
+}
+
+TEST(Probation, ConfirmOfAChangeThatWasRolledBackIsRefused) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("core.swap", swap_to("trial/throwing_job"))["state"], "applied");
+  ASSERT_TRUE(eventually([&] { return daemon.ask("status.get")["generation"] == 3; }));
+
+  const auto refused = daemon.ask("change.confirm");
+
+  EXPECT_EQ(refused["data"]["id"], "nothing_on_probation") << refused;
+  EXPECT_THAT(refused["message"].get<std::string>(), HasSubstr("was rolled back"));
 }
 
 TEST(Probation, UndoShowsWhatItRollsBackBeforeAndAfter) {

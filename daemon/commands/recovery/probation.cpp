@@ -58,31 +58,54 @@ Status nothing_else(const Json& params) {
   return ok();
 }
 
-/// A reload changes code only, which no rollback brings back. Empty: the former build is not known,
-/// or is the one that runs.
-std::string hint_for(const Running& running, const Generation& saved) {
-  const auto now = running.store->generations().find(running.deployer.generation());
-  if (!now || now->command != "plugin.reload") {
-    return "mauvectl rollback " + std::to_string(saved.number);
-  }
-  const auto others = other_builds(saved.builds, running.catalog);
-  return others.empty() ? "" : remedy_of(others.front()) + "; a rollback brings no code back";
-}
+constexpr std::string_view kReload = "plugin.reload";
 
-/// The error with the way to the newest saved generation as its hint, if one is saved.
-Error no_rollback(const Running& running, Error error) {
-  const auto now = running.deployer.generation();
-  error.hint.clear();
-  if (running.store == nullptr) {
-    return error;
+/// The saved generation before the one that runs; 0: there is none. One that was rolled back is not
+/// meant, and neither is one before a reload: a generation has no code.
+std::uint64_t saved_before(const Running& running) {
+  if (running.store == nullptr || running.author.command == kReload) {
+    return 0;
   }
-  for (const auto& saved : running.store->generations().list()) {
-    if (saved.number < now && !saved.damaged) {
-      error.hint = hint_for(running, saved);
-      break;  // the newest first
+  for (const auto& saved : running.store->generations().list()) {  // the newest first
+    const bool usable = !saved.damaged && saved.mark != Confirmation::rolled_back;
+    if (usable && saved.number < running.deployer.generation()) {
+      return saved.number;
     }
   }
-  return error;
+  return 0;
+}
+
+/// A reload changes code only, which no rollback brings back.
+std::string step_after_reload(const Running& running) {
+  const auto all =
+      running.store == nullptr ? std::vector<Generation>() : running.store->generations().list();
+  const auto before = std::ranges::find_if(all, [&](const Generation& saved) {  // the newest first
+    return !saved.damaged && saved.number < running.deployer.generation();
+  });
+  const auto others =
+      before == all.end() ? OtherBuilds() : other_builds(before->builds, running.catalog);
+  return others.empty() ? "install the older build, then reload it; the newest change is " +
+                              running.author.changes
+                        : remedy_of(others.front()) + "; a rollback brings no code back";
+}
+
+/// The way back from the newest change where `undo` has none.
+std::string step_without_undo(const Running& running) {
+  const auto& newest = running.author;
+  const bool is_newest = newest.generation == running.deployer.generation();
+  if (!is_newest || newest.changes.empty() || newest.command == "change.undo") {
+    return running.store == nullptr ? "mauvectl logs shows the changes"
+                                    : "mauvectl history shows the saved generations, to which "
+                                      "mauvectl rollback N goes back";
+  }
+  if (const auto before = saved_before(running); before != 0) {
+    return "mauvectl rollback " + std::to_string(before) + ": to before the newest change (" +
+           newest.changes + ")";
+  }
+  if (newest.command == kReload) {
+    return step_after_reload(running);
+  }
+  return "set the old value, or make the opposite change; the newest change is " + newest.changes;
 }
 
 /// A change on probation, with those that it joined.
@@ -225,9 +248,10 @@ void begin_undo(Running& running, const CallPtr& call, const ChangeOnProbation& 
   if (newest.place) {
     return undo_in_place(running, call, *newest.place, std::move(result), text);
   }
-  auto begun = running.deployer.undo(text);
-  if (!begun) {
-    return answer(running, *call, no_rollback(running, begun.error()));
+  if (auto begun = running.deployer.undo(text); !begun) {
+    auto error = begun.error();
+    error.hint = step_without_undo(running);
+    return answer(running, *call, std::move(error));
   }
   const auto before = running.deployer.generation();
   running.control.await(
@@ -245,6 +269,26 @@ void begin_undo(Running& running, const CallPtr& call, const ChangeOnProbation& 
 bool is_saved_unconfirmed(const Running& running) {
   return running.store != nullptr &&
          running.store->generations().mark_of(running.generation) == Confirmation::unconfirmed;
+}
+
+/// Nothing is on probation and nothing waits for a confirmation: the generation that runs is kept,
+/// but if a rollback made it, its user wanted to confirm another one.
+Status check_kept(Running& running) {
+  running.report_outcomes();
+  const auto open = running.deployer.probations();
+  if (places_roll_back(running) || std::ranges::any_of(open, &OpenProbation::rolls_back)) {
+    return refuse({Errc::wrong_state, "nothing_on_probation"}, {},
+                  "the newest change is being rolled back, so there is nothing to confirm",
+                  "mauvectl logs shows the cause");
+  }
+  const auto now = running.deployer.generation();
+  if (running.rollback != now) {
+    return ok();
+  }
+  return refuse({Errc::wrong_state, "nothing_on_probation"}, {},
+                "the newest change was rolled back, so there is nothing to confirm: generation " +
+                    std::to_string(now) + " has the system from before it",
+                "mauvectl logs shows the cause");
 }
 
 }  // namespace
@@ -300,16 +344,17 @@ void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
     return answer(running, *call, met.error());
   }
   Json confirmed = on_probation(running);
-  const auto done = running.deployer.confirm();
+  const bool done = running.deployer.confirm().has_value();
   const bool places = confirm_places(running);
   const bool new_code = confirm_unproven(running);
-  if (!done && !places && !new_code && !is_saved_unconfirmed(running)) {
-    return answer(running, *call, done.error());
+  const bool changes = done || places || new_code || is_saved_unconfirmed(running);
+  if (auto kept = changes ? ok() : check_kept(running); !kept) {
+    return answer(running, *call, kept.error());
   }
   call->confirms = true;  // a power cut must not take it back, so the answer waits for the disk
   answer(running, *call,
          Json{{"generation", running.deployer.generation()},
-              {"changed", true},
+              {"changed", changes},
               {"confirmed", std::move(confirmed)}});
 }
 
