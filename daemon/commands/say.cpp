@@ -5,6 +5,7 @@
 
 #include "base/thread_role.h"
 
+#include "commands/recovery/quarantine.h"
 #include "exec/system/prepared.h"
 #include "judge/judgement.h"
 
@@ -65,9 +66,10 @@ void say_who_stands(Running& running, const Change& change, Json& result) {
     const bool stands =
         recovers || now.state == ComponentState::faulted || now.state == ComponentState::stopped;
     if (edit.mode != Mode::park && !now.name.empty() && stands) {
-      standing.push_back({{"name", now.name},
-                          {"state", to_string(now.state)},
-                          {"hint", (recovers ? "mauvectl why " : "mauvectl start ") + now.name}});
+      standing.push_back(
+          {{"name", now.name},
+           {"state", to_string(now.state)},
+           {"hint", recovers ? "mauvectl why " + now.name : step_to_run(running, now)}});
     }
   }
   if (!standing.empty()) {

@@ -65,6 +65,36 @@ TEST_F(Quarantine, HoldsForEveryMethodThatPutsACoreInForce) {
   EXPECT_EQ(exported(daemon), before);
 }
 
+TEST_F(Quarantine, OfTheCoreOfAFaultedComponentHasOneNextStepEverywhere) {
+  TrialDaemon daemon(kTrial, options());
+  auto swap = brittle();
+  swap.update({{"component", "second"}, {"probation", "off"}});
+  ASSERT_EQ(daemon.ask("core.swap", swap)["state"], "applied");
+  Json other = brittle();
+  const auto own = place_.write("own", "");
+  other["set"]["until_there"] = own.string();
+  ASSERT_NO_FATAL_FAILURE(quarantine(daemon, "first", other));
+  fail();
+  ASSERT_TRUE(eventually([&] { return daemon.component("second")["state"] == "faulted"; }));
+  const std::string step =
+      "mauvectl reload trial: a corrected build of trial/brittle, which is in quarantine; or "
+      "mauvectl quarantine release trial/brittle, then mauvectl start second --reset";
+
+  EXPECT_EQ(daemon.component("second")["hint"], step);
+  EXPECT_TRUE(eventually([&] {  // the log comes to its records some time later
+    return daemon.ask("component.why", {{"component", "second"}})["hints"][0] == step;
+  })) << daemon.ask("component.why", {{"component", "second"}});
+  const auto started = daemon.ask("component.start", {{"components", {"second"}}});
+  EXPECT_EQ(started["notes"][0], "second may fail again: " + step) << started;
+
+  ASSERT_TRUE(eventually([&] { return daemon.component("second")["state"] == "faulted"; }));
+  ASSERT_EQ(daemon.ask("quarantine.release", {{"core", "trial/brittle"}})["changed"], true);
+  end_failure();
+  EXPECT_EQ(daemon.component("second")["hint"], "mauvectl start second") << "it may run again";
+  const Json again = {{"components", {"second"}}, {"reset", true}};
+  EXPECT_EQ(daemon.ask("component.start", again)["state"], "applied");
+}
+
 TEST_F(Quarantine, HoldsForARule) {
   Json wanted = plain();
   wanted["rules"] = {{{"name", "tries"},

@@ -3,6 +3,7 @@
 #include "commands/answer.h"
 #include "commands/change/change.h"
 #include "commands/look/named.h"
+#include "commands/recovery/quarantine.h"
 #include "commands/say.h"
 #include "mauve/host/architecture.h"
 
@@ -20,16 +21,21 @@ Edit edit_to_start(const Running& running, const std::string& name, bool reset) 
   return edit;
 }
 
-/// The answer names the components that run already.
+/// The answer names the components that run already, and those that may fail again.
 class Already final : public ChangeHooks {
  public:
-  explicit Already(std::vector<std::string> names) : names_(std::move(names)) {}
+  Already(std::vector<std::string> names, std::vector<std::string> notes)
+      : names_(std::move(names)), notes_(std::move(notes)) {}
   Status check_prepared() override { return ok(); }
   void in_force(std::uint64_t /*generation*/) override {}
-  void complete(Json& result) override { say_already(names_, "running", result); }
+  void complete(Json& result) override {
+    say_already(names_, "running", result);
+    say_notes(notes_, result);
+  }
 
  private:
   std::vector<std::string> names_;
+  std::vector<std::string> notes_;
 };
 
 }  // namespace
@@ -42,9 +48,14 @@ void start(Running& running, const CallPtr& call, Ticket ticket) {
   const bool reset = flag(call->params, "reset");
   Change change;
   std::vector<std::string> run;
+  std::vector<std::string> notes;
   for (const auto& name : *names) {
-    if (running.deployer.status(name).state != ComponentState::running) {
+    const auto now = running.deployer.status(name);
+    if (now.state != ComponentState::running) {
       change.edits.push_back(edit_to_start(running, name, reset));
+      if (is_in_quarantine(running, now.core)) {
+        notes.push_back(name + " may fail again: " + step_to_run(running, now));
+      }
     } else if (reset && !flag(call->params, "all")) {
       return answer(running, *call,
                     refuse({Errc::wrong_state, "runs_already"}, name,
@@ -62,7 +73,7 @@ void start(Running& running, const CallPtr& call, Ticket ticket) {
     return answer(running, *call, std::move(result));
   }
   apply(running, call, std::move(ticket), std::move(change),
-        std::make_shared<Already>(std::move(run)));
+        std::make_shared<Already>(std::move(run), std::move(notes)));
 }
 
 }  // namespace mauve::daemon

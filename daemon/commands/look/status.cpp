@@ -118,7 +118,7 @@ Json row_of(const Running& running, const ComponentStatus& one) {
     row["recovery"] = recovery_json(one.recovery);
   }
   if (one.state == ComponentState::faulted) {
-    row["hint"] = "mauvectl start " + one.name;
+    row["hint"] = step_to_run(running, one);
   }
   return row;
 }

@@ -8,6 +8,7 @@
 #include "commands/measure/kernel_counts.h"
 #include "commands/measure/more_urgent.h"
 #include "commands/model.h"
+#include "commands/recovery/quarantine.h"
 #include "exec/update/fault_record.h"
 #include "mauve/host/architecture.h"
 #include "mauve/service.h"
@@ -97,7 +98,11 @@ void add_next_steps(const Running& running, const std::string& name, const Failu
   }
   switch (failure.reaction) {
     case Reaction::parked:
-      hints.push_back("mauvectl start " + name + " --reset: again, with a fresh core");
+      if (const auto now = running.deployer.status(name); is_in_quarantine(running, now.core)) {
+        hints.push_back(step_to_run(running, now));
+      } else {
+        hints.push_back("mauvectl start " + name + " --reset: again, with a fresh core");
+      }
       hints.push_back("mauvectl plugins --for " + name +
                       ": the cores that could take its place with swap-core");
       break;

@@ -145,6 +145,21 @@ Status check_quarantine(const Running& running, const Change& change, const Buil
   return allowed;
 }
 
+bool is_in_quarantine(const Running& running, const std::string& core) {
+  MAUVE_ON_THREAD(control);
+  return running.quarantined.contains(version_of(core, build_of(running, core)));
+}
+
+std::string step_to_run(const Running& running, const ComponentStatus& component) {
+  const auto& core = component.core;
+  if (!is_in_quarantine(running, core)) {
+    return "mauvectl start " + component.name;
+  }
+  return "mauvectl reload " + plugin_of(core) + ": a corrected build of " + core +
+         ", which is in quarantine; or mauvectl quarantine release " + core +
+         ", then mauvectl start " + component.name + " --reset";
+}
+
 void CoresInQuarantine::replace(Names names) {
   const MutexLock lock(mutex_);
   names_ = std::move(names);

@@ -46,6 +46,13 @@ class CoresInQuarantine final : public CoresKeptOut {
   Names names_ MAUVE_GUARDED_BY(mutex_);
 };
 
+/// [control] Whether the loaded build of this core is.
+[[nodiscard]] bool is_in_quarantine(const Running& running, const std::string& core);
+
+/// [control] The next step for a component that does not run. A start is none for one whose core is
+/// in quarantine: it would fail again, and a fresh core of this build is refused.
+[[nodiscard]] std::string step_to_run(const Running& running, const ComponentStatus& component);
+
 /// The cores of `quarantine.list` whose build is the one that is loaded.
 [[nodiscard]] CoresInQuarantine::Names cores_kept_out(const Json& list,
                                                       const plugin::Catalog& catalog);
