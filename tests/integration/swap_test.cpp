@@ -179,6 +179,17 @@ TEST(Connect, WithALimitOnTheAgeSaysWhenValuesAreStale) {
   EXPECT_TRUE(eventually([&] { return watching.json()["params"]["status"] == "stale"; }));
 }
 
+TEST(Show, SaysOfWritePortsOnlyWhetherTheyHaveASafeValue) {
+  TrialDaemon daemon;
+
+  const auto ports = daemon.ask("object.get", {{"address", "first"}})["ports"];
+  EXPECT_EQ(ports.size(), 2U);
+  for (const auto& row : ports) {
+    EXPECT_EQ(row.value("safe_value", Json()), row["name"] == "output" ? Json(true) : Json())
+        << row;
+  }
+}
+
 TEST(Connect, RefusesALimitThatMeansNothing) {
   TrialDaemon daemon;
   ASSERT_EQ(daemon.ask("port.disconnect", {{"port", "first.ports.output"}})["state"], "applied");

@@ -44,7 +44,9 @@ Json observable_row(const std::string& name, const ObservableBase& observable) {
 Json whole_port_row(const Element& element, const PortBase& port) {
   auto row = port_row(element, port);
   row["max_age"] = max_age_of(connection(element, port));
-  row["safe_value"] = port.has_safe_value();
+  if (port.signature().kind == PortKind::write) {
+    row["safe_value"] = port.has_safe_value();
+  }
   row["failures"] = port.failures();
   return row;
 }
