@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Checks of the settings in force in mauved: versions, policy, guard, locked memory.
 #include <algorithm>
+#include <initializer_list>
 
 #include "doctor/checks.h"
 #include "mauve/host/version.h"
@@ -9,7 +10,21 @@
 namespace mauve::ctl::doctor {
 namespace {
 
-const std::string kRequire = "start it with --realtime require, which says at once what is missing";
+using Cause = Finding (*)(const Facts&);
+
+/// The remedy of the first of these checks that is not well. Where all are, mauved began before its
+/// rights were granted.
+std::string remedy_of(const Facts& facts, std::initializer_list<Cause> causes) {
+  for (const Cause cause : causes) {
+    const Finding found = facts.daemon.is_null() ? no_daemon() : cause(facts);
+    if (found.grade != Grade::ok) return found.remedy;
+  }
+  return "restart mauved; if nothing changes, mauvectl logs --grep timing names the cause";
+}
+
+std::string remedy_of_policy(const Facts& facts) {
+  return remedy_of(facts, {check_priority_of_daemon, check_group});
+}
 
 Finding off() {
   return doubt("mauved was started with --realtime off", "start it with --realtime prefer");
@@ -71,7 +86,8 @@ Finding check_policy(const Facts& facts) {
     join(ordinary, word(row, "name"));
   }
   if (!ordinary.empty())
-    return bad("without SCHED_FIFO: " + ordinary + ", so ordinary programs delay them", kRequire);
+    return bad("without SCHED_FIFO: " + ordinary + ", so ordinary programs delay them",
+               remedy_of_policy(facts));
   return good("SCHED_FIFO: " + counted(facts.components().size(), "component"));
 }
 
@@ -83,7 +99,8 @@ Finding check_guard(const Facts& facts) {
     const std::string found = word(thread, "policy") + " " + word(thread, "priority");
     if (word(thread, "policy") == "SCHED_FIFO") return good(found);
     if (facts.components().empty()) return good(found + ", no component asks for more");
-    return bad(found + ": a looping component keeps it from the processor", kRequire);
+    return bad(found + ": a looping component keeps it from the processor",
+               remedy_of_policy(facts));
   }
   if (facts.components().empty()) return good("no component, no guard");
   return bad("mauved has no thread mauve-guard: a job that hangs is not interrupted",
@@ -95,7 +112,8 @@ Finding check_locked(const Facts& facts) {
   if (facts.asked_realtime() == "off") return off();
   const auto locked = whole_number(facts.daemon, "locked_kib");
   if (locked > 0) return good(std::to_string(locked / 1024) + " MiB of mauved are locked");
-  return bad("nothing of mauved is locked: page faults stop components", kRequire);
+  return bad("nothing of mauved is locked: page faults stop components",
+             remedy_of(facts, {check_locking_of_daemon}));
 }
 
 Finding check_guardian(const Facts& facts) {

@@ -123,7 +123,11 @@ TEST_F(DoctorOfMauved, WarnsOfRunTimeThatVersion2OfControlGroupsCannotGive) {
 TEST_F(DoctorOfMauved, FindsComponentsWithoutThePolicyTheyAskedFor) {
   expect(check_policy(facts), Grade::ok, "1 component");
   facts.status["components"][0]["realtime"] = false;
-  expect(check_policy(facts), Grade::fail, "without SCHED_FIFO: control", "--realtime require");
+  expect(check_policy(facts), Grade::fail, "without SCHED_FIFO: control", "restart mauved");
+  facts.daemon["rtprio"] = 0;
+  expect(check_policy(facts), Grade::fail, "without SCHED_FIFO: control", "@mauve - rtprio 99");
+  facts.daemon["service"] = true;
+  expect(check_policy(facts), Grade::fail, "without SCHED_FIFO: control", "LimitRTPRIO=99");
   facts.daemon["realtime"] = "off";
   expect(check_policy(facts), Grade::warn, "--realtime off", "--realtime prefer");
 }
@@ -131,7 +135,9 @@ TEST_F(DoctorOfMauved, FindsComponentsWithoutThePolicyTheyAskedFor) {
 TEST_F(DoctorOfMauved, LooksForTheGuard) {
   expect(check_guard(facts), Grade::ok, "SCHED_FIFO 95");
   facts.daemon["threads"][0]["policy"] = "SCHED_OTHER";
-  expect(check_guard(facts), Grade::fail, "SCHED_OTHER", "--realtime require");
+  expect(check_guard(facts), Grade::fail, "SCHED_OTHER", "restart mauved");
+  facts.daemon["rtprio"] = 90;
+  expect(check_guard(facts), Grade::fail, "SCHED_OTHER", "@mauve - rtprio 99");
   facts.daemon["threads"] = Json::array();
   expect(check_guard(facts), Grade::fail, "no thread mauve-guard", "restart");
   facts.daemon["realtime"] = "off";
@@ -144,7 +150,10 @@ TEST_F(DoctorOfMauved, LooksForTheGuard) {
 TEST_F(DoctorOfMauved, SeesWhetherItsMemoryIsLocked) {
   expect(check_locked(facts), Grade::ok, "20 MiB");
   facts.daemon["locked_kib"] = 0;
-  expect(check_locked(facts), Grade::fail, "nothing of mauved is locked", "--realtime require");
+  expect(check_locked(facts), Grade::fail, "nothing of mauved is locked", "restart mauved");
+  facts.daemon["memlock"] = 65536;
+  expect(check_locked(facts), Grade::fail, "nothing of mauved is locked",
+         "@mauve - memlock unlimited");
   facts.daemon["realtime"] = "off";
   expect(check_locked(facts), Grade::warn, "--realtime off", "--realtime prefer");
 }
