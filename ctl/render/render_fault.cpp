@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "protocol/methods.h"
 #include "render/render.h"
 #include "render/table.h"
 #include "render/words.h"
@@ -30,11 +31,17 @@ bool lacks_subject(std::string_view message) {
   return std::ranges::any_of(kVerbs, [&](auto verb) { return message.starts_with(verb); });
 }
 
-/// "set arm.gain: expected a number"; "set: arm did not end its job".
+/// The method of the protocol, which its user did not type.
+bool is_about_the_command(const Fault& fault) {
+  return protocol::find_method(fault.where) != nullptr;
+}
+
+/// "set arm.gain: expected a number"; "set: arm did not end its job"; "set: the command needs role
+/// operator".
 std::string sentence_of(std::string_view command, const Fault& fault) {
   std::string subject;
   if (!fault.where.empty() && lacks_subject(fault.message)) {
-    subject = fault.where + " ";
+    subject = is_about_the_command(fault) ? "the command " : fault.where + " ";
     command = command.substr(0, command.find(' '));
   }
   return (command.empty() ? "" : std::string(command) + ": ") + harmless(subject + fault.message);
@@ -50,8 +57,8 @@ std::string render_fault(std::string_view command, const Fault& fault, Look look
   constexpr std::string_view kError = "error:";
   const std::string first = wrapped(std::string(kError) + " " + message, look.width, 2);
   return painted(kError, Paint::red, look.colour) + first.substr(kError.size()) + "\n" +
-         part("  where  : ", harmless(fault.where)) + part("  state  : ", state_in_words(fault)) +
-         part("  hint   : ", harmless(fault.hint)) +
+         part("  where  : ", is_about_the_command(fault) ? "" : harmless(fault.where)) +
+         part("  state  : ", state_in_words(fault)) + part("  hint   : ", harmless(fault.hint)) +
          part("  explain: ", fault.id.empty() ? "" : "mauvectl explain " + harmless(fault.id));
 }
 

@@ -34,7 +34,8 @@ Error not_permitted(const protocol::Method& method, const server::Caller& caller
   return refuse({Errc::not_permitted, "role_missing"}, std::string(method.name),
                 "needs role " + std::string(to_string(method.role)) + ", you have " +
                     std::string(to_string(caller.role)),
-                "join the group " + std::string(group_of(method.role)) + ", then log in again");
+                "ask to be added to the group '" + std::string(group_of(method.role)) +
+                    "', then log in again");
 }
 
 }  // namespace

@@ -194,7 +194,8 @@ Result<Server::Entry> Server::entry_of(const Peer& peer, Role role) const {
   if (role == Role::none) {
     return refuse({Errc::not_permitted, "no_role"}, "uid " + std::to_string(peer.uid),
                   "this user has no role here",
-                  "join the group mauve-view, mauve or mauve-admin, then log in again");
+                  "ask to be added to a group, then log in again: 'mauve-view' to look, 'mauve' to "
+                  "change");
   }
   const auto& limits = options_.limits;
   const auto extra = peer.uid == 0 ? limits.reserved_for_root : 0;

@@ -29,6 +29,19 @@ TEST(RenderFault, EndsWithTheCommandThatExplainsIt) {
   EXPECT_EQ(fault_json(fault)["error"]["id"], "locked");
 }
 
+TEST(RenderFault, NamesTheCommandThatWasTypedAndNotItsMethod) {
+  const Fault fault = protocol::fault_of(refuse({Errc::not_permitted, "role_missing"}, "param.set",
+                                                "needs role operator, you have viewer", "ask"),
+                                         "unchanged", 7);
+
+  EXPECT_EQ(render_fault("set arm.gain", fault, {}),
+            "error: set: the command needs role operator, you have viewer\n"
+            "  state  : unchanged (generation 7 still running)\n"
+            "  hint   : ask\n"
+            "  explain: mauvectl explain role_missing\n");
+  EXPECT_EQ(fault_json(fault)["error"]["where"], "param.set");
+}
+
 TEST(RenderFault, SaysWhatTheRobotIsInNow) {
   Fault fault = protocol::fault_of(refuse(Errc::hook_failed, "", "no"), "rolled_back", 41);
   EXPECT_NE(render_fault("", fault, {}).find("rolled back (generation 41 runs again)"),
