@@ -150,12 +150,12 @@ TEST_F(Joining, ANewerChangeOfTheSameComponentRollsBackToWhatWasProvenLast) {
 
 /// check-trace judges a component by its header only if both have the same number.
 TEST_F(Joining, ATraceShowsTheNumberOfTheChangeThatEachMemberAppliedLast) {
-  const TraceMode before = trace_mode();
+  const TraceMode mode_before = trace_mode();
   set_trace_mode(TraceMode::jobs);
   apply({to<ramp::Down>("left"), to<ramp::Down>("right")});
   apply({to<ramp::Up>("left")});  // right follows
   const auto applied = test::of_kind(test::drain_trace(deployer), TraceKind::applied);
-  set_trace_mode(before);
+  set_trace_mode(mode_before);
 
   for (const TracedComponent& one : deployer.traced().components) {
     std::int64_t last = 0;
