@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Locks and roles judge the differences that a change makes, whichever method or rule asks for it.
-/// docs/concepts/changes.md lists the other reasons to refuse a change.
+/// docs/maintaining/changes.md lists the other reasons to refuse a change.
 #pragma once
 
 #include <string_view>
