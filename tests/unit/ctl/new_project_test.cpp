@@ -48,6 +48,10 @@ TEST_F(NewProject, HasTheNameInPlaceOfThatOfTheExample) {
     EXPECT_THAT(test::TempDir::read(name + "/CMakeLists.txt"),
                 HasSubstr("mauve_add_plugin(" + name + " SOURCES"));
     EXPECT_TRUE(fs::exists(name + "/" + name + "_test.cpp")) << kind;
+    if (kind != "core") {  // a core runs in the robot of yard.json
+      EXPECT_THAT(test::TempDir::read(name + "/architecture.json"),
+                  HasSubstr("\"name\": \"" + name + "\""));
+    }
     for (const auto& file : fs::directory_iterator(name)) {
       EXPECT_THAT(file.path().string(), Not(HasSubstr(example)));
       EXPECT_THAT(test::TempDir::read(file), Not(HasSubstr(example))) << file.path();
