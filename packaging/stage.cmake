@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 # Run by cpack when the files of all packages are in their folders: what Debian wants beyond `cmake --install`.
-# Manual pages and changelogs are compressed, each package has its copyright, and zsh finds the completion.
+# Manual pages and changelogs are compressed, each package has its copyright, zsh finds the completion, and the folder of
+# mauve-doc leads to the site.
 set(ENV{SOURCE_DATE_EPOCH} "$ENV{SOURCE_DATE_EPOCH}")
 string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)
 
@@ -25,6 +26,9 @@ foreach(component ${CPACK_COMPONENTS_ALL})
   file(GLOB pages "${share}/man/*/*.[1-9]")
   if(pages)
     compress(${pages})
+  endif()
+  if(package STREQUAL mauve-doc)
+    file(CREATE_LINK ../mauve/html "${doc}/html" SYMBOLIC)
   endif()
   if(EXISTS "${share}/zsh/site-functions")
     file(RENAME "${share}/zsh/site-functions" "${share}/zsh/vendor-completions")

@@ -82,6 +82,7 @@ class Test:
         equal(complaints, "", "complaints of systemd-analyze verify")
         own.shell("man --where mauved mauve-guardian mauvectl mauve-stamp mauve-architecture mauve-protocol")
         own.shell("pkg-config --exists 'mauve >= 0.1' && test -f /usr/share/doc/mauve/html/index.html")
+        own.shell("test -f /usr/share/doc/mauve-doc/html/index.html")
         own.shell("mauved --check /usr/share/mauve/yard.json")
         libraries = own.shell("for file in /usr/sbin/mauve* /usr/bin/mauve* /usr/lib/mauve/plugins/*.so; do ldd $file; done")
         check("not found" not in libraries, "all libraries are there", libraries)
