@@ -200,6 +200,9 @@ void HealthMonitor::report(const Outcome& outcome) {
                                           {"cause", cause_of(outcome)},
                                           {"text", outcome.reason},
                                           {"changes", changes}});
+  if (running_->store != nullptr) {
+    save(outcome, changes);  // before the list of quarantine
+  }
   running_->rollback_lines.forget(outcome.changes);
   const bool rolled_back = outcome.kind == Outcome::Kind::rolled_back;
   for (const auto& core : rolled_back ? outcome.cores : std::vector<std::string>()) {
@@ -207,10 +210,7 @@ void HealthMonitor::report(const Outcome& outcome) {
       running_->log.write(Event::quarantined, {{"core", core}, {"text", outcome.reason}});
     }
   }
-  let_former_go(*running_, outcome);  // after the quarantine, which is of the build that failed
-  if (running_->store != nullptr) {
-    save(outcome, changes);  // last: with the builds that run now
-  }
+  let_former_go(*running_, outcome);  // last: the quarantine is of the build that failed
 }
 
 /// The differences that a rollback makes, in the lines of `plan`; empty of other outcomes.
@@ -245,7 +245,7 @@ void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
   about.command = to_string(outcome.kind);
   about.reason = cause_of(outcome);
   about.changes = changes;
-  about.builds = builds_of(running_->catalog);
+  about.builds = builds_after(*running_, outcome);
   about.mark = Confirmation::unconfirmed;
   Json line = {{"time", about.time},         {"method", about.command},
                {"uid", about.uid},           {"pid", getpid()},

@@ -93,6 +93,20 @@ std::vector<std::string> notes_on_files(const Running& running,
   return notes;
 }
 
+Builds builds_after(const Running& running, const Outcome& outcome) {
+  MAUVE_ON_THREAD(control);
+  auto builds = builds_of(running.catalog);
+  if (outcome.kind != Outcome::Kind::rolled_back) {
+    return builds;
+  }
+  for (const auto& [name, kept] : running.former.kept) {
+    if (std::ranges::find(outcome.changes, kept.generation) != outcome.changes.end()) {
+      builds[name] = kept.plugin.info().build_id;
+    }
+  }
+  return builds;
+}
+
 void let_former_go(Running& running, const Outcome& outcome) {
   MAUVE_ON_THREAD(control);
   if (!ends_a_probation(outcome)) {

@@ -13,6 +13,7 @@
 #include "log/event.h"
 #include "mauve/result.h"
 #include "plugin/load/catalog.h"
+#include "state/builds.h"
 
 namespace mauve {
 struct Outcome;
@@ -51,6 +52,10 @@ void keep_former(Running& running, plugin::LoadedPlugin former);
 /// as it is.
 [[nodiscard]] std::vector<std::string> notes_on_files(const Running& running,
                                                       const std::vector<std::uint64_t>& changes);
+
+/// [control] The builds that run after this outcome: a rollback gives the names of a reloaded
+/// plugin back to its former build.
+[[nodiscard]] Builds builds_after(const Running& running, const Outcome& outcome);
 
 /// [control] A probation has ended: the code that is not needed any more leaves, and after a
 /// rollback the former one has its names again.
