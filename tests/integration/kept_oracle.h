@@ -79,27 +79,30 @@ class KeptOracle {
     }
   }
 
-  /// The run crashed soon after its start: this architecture is started next; null: the file.
-  [[nodiscard]] Json after_crash() {
+  /// The run crashed soon after its start: this architecture is started next. The components that
+  /// the newest generation has stopped stay stopped, in an older one and in the file too.
+  [[nodiscard]] Json after_crash(const Json& file) {
+    newest_ = kept_.empty() ? Json::object() : kept_.rbegin()->second.content;
     if (auto* crashed = newest_confirmed(started_)) ++crashed->crashes;
     std::vector<Json> passed_over;
     start_crashes_ = 0;
     for (auto it = kept_.rbegin(); it != kept_.rend(); ++it) {
       const auto& kept = it->second;
-      const bool skipped =
-          std::find(passed_over.begin(), passed_over.end(), kept.content) != passed_over.end();
+      const bool skipped = std::find(passed_over.begin(), passed_over.end(),
+                                     stopped(kept.content)) != passed_over.end();
       if (!confirmed_(kept) || skipped) continue;
       if (kept.crashes >= kMostCrashes) {
-        passed_over.push_back(kept.content);
+        passed_over.push_back(stopped(kept.content));
         continue;
       }
       start_crashes_ = kept.crashes;
-      return kept.content;
+      return stopped(kept.content);
     }
-    return nullptr;
+    return stopped(file);
   }
   /// The run came to its orderly end: the file is started next, and a row of crashes has ended.
   void after_end() {
+    newest_ = Json::object();
     if (auto* ended = newest_confirmed(started_)) ended->crashes = 0;
     start_crashes_ = 0;
   }
@@ -107,6 +110,14 @@ class KeptOracle {
  private:
   static bool confirmed_(const Kept& kept) { return kept.worth == Worth::confirmed; }
 
+  /// With the components stopped that the newest generation has stopped.
+  [[nodiscard]] Json stopped(Json content) const {
+    const auto of_newest = newest_.value("components", Json::object());
+    for (auto& [name, component] : content["components"].items()) {
+      if (!of_newest.value(name, Json::object()).value("start", true)) component["start"] = false;
+    }
+    return content;
+  }
   /// False: it is not there.
   bool compare_one(const std::filesystem::path& generations, std::uint64_t number, Kept& kept,
                    bool ran_long) const {
@@ -130,7 +141,8 @@ class KeptOracle {
   }
   Kept* newest_confirmed(const Json& content) {
     for (auto it = kept_.rbegin(); it != kept_.rend(); ++it) {
-      if (confirmed_(it->second) && it->second.content == content) return &it->second;
+      const bool same = stopped(it->second.content) == stopped(content);
+      if (confirmed_(it->second) && same) return &it->second;
     }
     return nullptr;
   }
@@ -169,6 +181,7 @@ class KeptOracle {
   std::map<std::uint64_t, Kept> kept_;
   std::uint64_t highest_ = 0;  ///< that was answered as saved, or is on the disk
   Json started_;
+  Json newest_ = Json::object();  ///< at the crash
   unsigned start_crashes_ = 0;
 };
 

@@ -45,7 +45,7 @@ class Kills : public Generations {
     daemon.process().signal(SIGKILL);
     static_cast<void>(daemon.process().wait());
     oracle_.compare(state() / "generations", steady_clock::now() - begin > kMayProve);
-    wanted_ = ends ? Json() : oracle_.after_crash();
+    wanted_ = ends ? Json() : oracle_.after_crash(file_);
     if (ends) oracle_.after_end();
     story_ = robot.story() + (ends ? "\n  SIGTERM" : "\n  SIGKILL");
   }
