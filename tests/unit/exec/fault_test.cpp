@@ -222,6 +222,7 @@ void end_while_it_drives() {
   Motored architecture;
   Deployer deployer(architecture);
   if (!deployer.deploy()) std::_Exit(2);
+  if (!deployer.swap_core<ramp::Down>("control")) std::_Exit(2);
   while (deployer.status("motor").releases < 3) std::this_thread::sleep_for(1ms);
   kill(getpid(), SIGTERM);
   std::this_thread::sleep_for(20s);
@@ -241,7 +242,7 @@ TEST(EndOfAProcessDeathTest, ReportsEachRuntimeEventThatCameBefore) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT((std::signal(SIGTERM, SIG_DFL), end_while_it_drives()),
               testing::KilledBySignal(SIGTERM),
-              "the motor stands.*mauve: [0-9.]+ s after T0: control: started");
+              "the motor stands.*mauve: [0-9.]+ s after T0: control: swapped");
 }
 
 /// The guard parks the task of an abandoned thread for which it gets no other thread.

@@ -82,6 +82,25 @@ TEST(CoreBench, GivesTheTimeOfTheClockAsTheTimeStep) {
   EXPECT_EQ(time_step(), 0ms);
 }
 
+/// Keeps its last time step.
+class Stepping final : public Core<FollowShell> {
+ public:
+  void update() { step = time_step(); }
+  Duration step{0};
+};
+
+TEST(ComponentBench, HasATimeStepThatFollowsThePeriod) {
+  ComponentBench<FollowShell, Stepping, PeriodicFsm<Stepping>> bench;
+  ASSERT_TRUE(bench.deploy());
+  bench.run_for(1ms);
+  EXPECT_EQ(bench.core().step, 10ms) << "in the first job";
+
+  ASSERT_TRUE(bench.deployer().set("component.fsm.period", "5ms"));
+  bench.run_for(100ms);
+
+  EXPECT_EQ(bench.core().step, 5ms);
+}
+
 TEST(CoreBench, ReportsARefusedConfiguration) {
   CoreBench<FollowShell, Follow> bench;
   bench.core().gain = -1.0;
