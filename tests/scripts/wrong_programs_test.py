@@ -331,6 +331,13 @@ class WrongPrograms(unittest.TestCase):
                          " static constexpr auto fields() { return %s; } };\nnamespace robot {" % fields,
                          "plugin.type<Data>();")
 
+    def test_a_field_that_is_an_enumeration(self):
+        self.refused("an enumeration is no field: declare the member as std::int32_t",
+                     "enum class Mode { stand, drive }; struct Data { Mode mode = Mode::stand;"
+                     ' static constexpr std::string_view type_name = "data/1";'
+                     ' static constexpr auto fields() { return std::tuple{mauve::field("mode", &Data::mode)}; } };',
+                     "plugin.type<Data>();")
+
     def test_a_description_with_a_conversion_that_may_throw(self):
         self.refused_description(
             "`static void convert(const Old& old, T& now) noexcept`",

@@ -113,6 +113,12 @@ inline constexpr bool kFieldsOf = false;
 template <typename T, typename... F>
 inline constexpr bool kFieldsOf<T, std::tuple<F...>> = (kFieldOf<T, F> && ...);
 
+/// A field that is an enumeration, which field() has refused by its own sentence.
+template <typename Fields>
+inline constexpr bool kHasEnumeration = false;
+template <typename Owner, typename... M>
+inline constexpr bool kHasEnumeration<std::tuple<Field<Owner, M>...>> = (std::is_enum_v<M> || ...);
+
 /// A description that is right.
 template <typename T>
 concept HasGoodFields = HasFields<T> && kFieldsOf<T, decltype(Described<T>::fields())>;
@@ -121,7 +127,7 @@ concept HasGoodFields = HasFields<T> && kFieldsOf<T, decltype(Described<T>::fiel
 
 template <detail::HasFields T>
 struct Codec<T> {
-  static_assert(detail::kNever<T>,
+  static_assert(detail::kHasEnumeration<decltype(Described<T>::fields())>,
                 "mauve: fields() of a described type T returns `std::tuple{mauve::field(\"NAME\", "
                 "&T::NAME), ...}` of members of T; the type of each is described too");
   static Value encode(const T& data);

@@ -68,6 +68,10 @@ struct Field {
 template <typename Owner, typename T>
 constexpr Field<Owner, T> field(std::string_view name, T Owner::*member, std::string_view unit = {},
                                 std::string_view text = {}) {
+  static_assert(
+      !std::is_enum_v<T>,
+      "mauve: an enumeration is no field: declare the member as std::int32_t, and convert "
+      "it where the core uses it");
   return {name, member, unit, text};
 }
 
