@@ -185,20 +185,21 @@ rules::Read Supervisor::reader() const {
 void Supervisor::fire(std::size_t index) {
   const auto& rule = engine_.rules()[index];
   const auto values = rules::in_words(rule.when.values(reader()));
-  Order order{rule.transaction.empty() ? kOwnSteps : rule.transaction,
-              "by rule " + rule.name,
-              {},
-              steps_of(rule),
-              {},
-              values};
-  running_->log.write(Event::rule_fired,
-                      {{"rule", rule.name}, {"transaction", order.transaction}, {"text", values}});
-  order.done = [this, index, adoption = adoptions_](const std::string& answer, bool again) {
+  Dispatch dispatch{rule.transaction.empty() ? kOwnSteps : rule.transaction,
+                    "by rule " + rule.name,
+                    {},
+                    steps_of(rule),
+                    {},
+                    values};
+  running_->log.write(
+      Event::rule_fired,
+      {{"rule", rule.name}, {"transaction", dispatch.transaction}, {"text", values}});
+  dispatch.done = [this, index, adoption = adoptions_](const std::string& answer, bool again) {
     if (adoption == adoptions_) {
       engine_.answered(index, answer, again);
     }
   };
-  carry_out(std::move(order));
+  carry_out(std::move(dispatch));
 }
 
 void Supervisor::request(std::string component, std::string transaction) {
@@ -212,7 +213,7 @@ void Supervisor::request(std::string component, std::string transaction) {
 /// file permits.
 void Supervisor::serve(const std::string& component, const std::string& transaction) {
   MAUVE_ON_THREAD(control);
-  Order order{transaction, "requested by " + component, component, {}, {}, {}};
+  Dispatch dispatch{transaction, "requested by " + component, component, {}, {}, {}};
   const auto* steps = supervision_.find(transaction);
   if (!supervision_.permits(component, transaction)) {
     std::vector<std::string> names;
@@ -220,7 +221,7 @@ void Supervisor::serve(const std::string& component, const std::string& transact
       names.push_back(name);
     }
     return refuse_request(
-        order,
+        dispatch,
         steps == nullptr
             ? refuse({Errc::unknown_name, "unknown_transaction"}, transaction,
                      "there is no such transaction", known_names(transaction, names))
@@ -228,39 +229,39 @@ void Supervisor::serve(const std::string& component, const std::string& transact
                      "may not request this", "name it under \"may_request\" of " + component));
   }
   if (!under_way_.emplace(component, transaction).second) {
-    return refuse_request(order, refuse({Errc::conflict, "transaction_under_way"}, transaction,
-                                        "is under way already, by an earlier request"));
+    return refuse_request(dispatch, refuse({Errc::conflict, "transaction_under_way"}, transaction,
+                                           "is under way already, by an earlier request"));
   }
-  order.steps = *steps;
-  order.done = [this, component, transaction](const std::string& /*answer*/, bool /*again*/) {
+  dispatch.steps = *steps;
+  dispatch.done = [this, component, transaction](const std::string& /*answer*/, bool /*again*/) {
     under_way_.erase({component, transaction});
   };
-  carry_out(std::move(order));
+  carry_out(std::move(dispatch));
 }
 
-void Supervisor::refuse_request(const Order& order, const Error& error) {
-  const auto call = call_by_itself(*running_, order.by);
-  call->params["transaction"] = order.transaction;
-  call->reply = [this, &order](const server::Outcome& outcome) { conclude(order, outcome); };
+void Supervisor::refuse_request(const Dispatch& dispatch, const Error& error) {
+  const auto call = call_by_itself(*running_, dispatch.by);
+  call->params["transaction"] = dispatch.transaction;
+  call->reply = [this, &dispatch](const server::Outcome& outcome) { conclude(dispatch, outcome); };
   answer(*running_, *call, error);
 }
 
 /// [control] Queued behind the changes that wait already.
-void Supervisor::carry_out(Order order) {
+void Supervisor::carry_out(Dispatch dispatch) {
   MAUVE_ON_THREAD(control);
-  auto call = call_by_itself(*running_, order.by);
-  call->params["transaction"] = order.transaction;
-  auto steps = order.steps;
+  auto call = call_by_itself(*running_, dispatch.by);
+  call->params["transaction"] = dispatch.transaction;
+  auto steps = dispatch.steps;
   if (!brings_something_new(steps)) {
     call->params["probation"] = "off";
   }
-  call->reply = [this, order = std::move(order),
+  call->reply = [this, dispatch = std::move(dispatch),
                  asked = std::weak_ptr(call)](const server::Outcome& outcome) {
     const auto there = asked.lock();  // an answer that waited for the disk outlives it
     const bool keeps_a_thread = there != nullptr && there->keeps_a_thread;
     // Whichever thread answers, the books are kept on [control].
     control_.read(
-        [this, order, outcome, keeps_a_thread] { conclude(order, outcome, keeps_a_thread); });
+        [this, dispatch, outcome, keeps_a_thread] { conclude(dispatch, outcome, keeps_a_thread); });
   };
   const bool queued = control_.change([this, call, steps = std::move(steps)](Ticket ticket) {
     call->before = running_->generation;
@@ -288,11 +289,12 @@ void Supervisor::carry_out(Order order) {
   }
 }
 
-void Supervisor::conclude(const Order& order, const server::Outcome& outcome, bool keeps_a_thread) {
-  const std::string cause = order.values.empty() ? "" : " (" + order.values + ")";
-  logging::Fields fields = {{"transaction", order.transaction}, {"by", order.by + cause}};
-  if (!order.component.empty()) {
-    fields.push_back({"component", order.component});
+void Supervisor::conclude(const Dispatch& dispatch, const server::Outcome& outcome,
+                          bool keeps_a_thread) {
+  const std::string cause = dispatch.values.empty() ? "" : " (" + dispatch.values + ")";
+  logging::Fields fields = {{"transaction", dispatch.transaction}, {"by", dispatch.by + cause}};
+  if (!dispatch.component.empty()) {
+    fields.push_back({"component", dispatch.component});
   }
   std::string answer;
   bool again = false;
@@ -318,8 +320,8 @@ void Supervisor::conclude(const Order& order, const server::Outcome& outcome, bo
     fields.push_back({"text", std::move(text)});
     running_->log.write(Event::transaction_applied, std::move(fields));
   }
-  if (order.done) {
-    order.done(answer, again);
+  if (dispatch.done) {
+    dispatch.done(answer, again);
   }
 }
 

@@ -53,7 +53,7 @@ class Supervisor {
 
  private:
   /// A transaction on its way.
-  struct Order {
+  struct Dispatch {
     std::string transaction;  ///< as it is called in the log
     std::string by;           ///< "by rule gnss_lost"
     std::string component;    ///< that requested it; may be empty
@@ -69,9 +69,10 @@ class Supervisor {
   void fire(std::size_t rule);
   void report_sight(const rules::SightChange& change);
   void serve(const std::string& component, const std::string& transaction);
-  void refuse_request(const Order& order, const Error& error);
-  void carry_out(Order order);
-  void conclude(const Order& order, const server::Outcome& outcome, bool keeps_a_thread = false);
+  void refuse_request(const Dispatch& dispatch, const Error& error);
+  void carry_out(Dispatch dispatch);
+  void conclude(const Dispatch& dispatch, const server::Outcome& outcome,
+                bool keeps_a_thread = false);
   [[nodiscard]] rules::Read reader() const;
   [[nodiscard]] const rules::Steps& steps_of(const rules::Rule& rule) const;
   [[nodiscard]] Json row(std::size_t rule, Instant now) const;

@@ -139,9 +139,9 @@ void Barrier::part() {
     if (!gathering_->members()[i].in_force) continue;
     leaving.push_back(member_at(*gathered_[i], TaskUpdate::Barrier::resume, number_));
   }
-  parting_ =
-      std::make_unique<TwoPhaseCommit>(std::move(leaving), std::vector<ResourceMember>{},
-                                       *system_.runner, kLongestWait, TwoPhaseCommit::Kind::order);
+  parting_ = std::make_unique<TwoPhaseCommit>(std::move(leaving), std::vector<ResourceMember>{},
+                                              *system_.runner, kLongestWait,
+                                              TwoPhaseCommit::Kind::unconditional);
   phase_ = Phase::parting;
 }
 

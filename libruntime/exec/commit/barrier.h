@@ -8,7 +8,7 @@
 ///   `publish 'wait' at tc ---------------> boundary r >= tc: no job any more`
 ///   `all wait, and the resources are free`
 ///   `  hand over; publish the new bundles`
-///   `  as an order at tc2 ---------------> take it; first release >= tc2, on the grid as it was`
+///   `  unconditionally at tc2 -----------> take it; first release >= tc2, on the grid as it was`
 ///   `a member does not come in time`
 ///   `  publish 'resume' -----------------> the same, with the bundle it runs with`
 ///

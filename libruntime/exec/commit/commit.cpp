@@ -54,7 +54,8 @@ bool leaves_newest_in_place(System& system, const Commit& next) {
   MAUVE_ON_THREAD(control);
   constexpr unsigned kLooks = 8;
   const auto made = system.newest.lock();
-  if (made == nullptr || !made->is_unreported() || (made->is_order() && next.is_order()))
+  if (made == nullptr || !made->is_unreported() ||
+      (made->is_unconditional() && next.is_unconditional()))
     return false;
   return ++system.looks_at_newest <= kLooks;
 }
@@ -113,12 +114,12 @@ void Commit::refuse_all(Error error) {
   content_.reset();
 }
 
-/// False: not yet, or never. A waiting member applies an order at once, so nothing can fail after
-/// it.
+/// False: not yet, or never. A waiting member applies an unconditional update at once, so nothing
+/// can fail after it.
 bool Commit::pass_barrier() {
   if (!barrier_->advance()) return false;
   if (barrier_->all_wait() && barrier_->hand_over(content_->resources)) {
-    publish(TwoPhaseCommit::Kind::order, kLongestJob);
+    publish(TwoPhaseCommit::Kind::unconditional, kLongestJob);
     return true;
   }
   if (barrier_->advance()) {
@@ -139,7 +140,7 @@ Status Commit::check(TwoPhaseCommit::Kind kind) {
     deployed_.push_back(system_.find(*member.component));
     // A member that was rolled back can be ordered to park before its rollback is in the books.
     const bool there = deployed_.back() != nullptr &&
-                       (kind == TwoPhaseCommit::Kind::order || !deployed_.back()->hidden);
+                       (kind == TwoPhaseCommit::Kind::unconditional || !deployed_.back()->hidden);
     if (!there) {
       return refuse({Errc::conflict, "left_meanwhile"}, member.component->name(),
                     "has left while this change was prepared", "look at `status`");
@@ -166,17 +167,17 @@ Status Commit::check(TwoPhaseCommit::Kind kind) {
 }
 
 Status Commit::check_probations(TwoPhaseCommit::Kind kind) {
-  if (kind == TwoPhaseCommit::Kind::order) return ok();
+  if (kind == TwoPhaseCommit::Kind::unconditional) return ok();
   receipt_.notes = notes_of(system_, *content_);
   for (const auto& one : system_.probations) {
     if (one->reported() || !concerns(system_, *content_, one->content())) continue;
     if (one->awaits_confirmation()) {
       return refuse({Errc::conflict, "waits_for_confirmation"},
-                    "generation " + std::to_string(one->changes().back()),
+                    "generation " + std::to_string(one->generations().back()),
                     "waits to be confirmed, so nothing of it is changed meanwhile",
                     "confirm it, or undo it");
     }
-    if (one->rollback()->rolls_back()) return being_rolled_back(one->changes().back());
+    if (one->rollback()->rolls_back()) return being_rolled_back(one->generations().back());
     if (changes_modes_only(*content_)) continue;
     before_.push_back(one->rollback());
     if (!can_join(*content_, one->content())) continue;
@@ -208,7 +209,7 @@ Status Commit::end_probations_before() {
   for (const auto& before : std::exchange(before_, {})) {
     ProbationPeriod* const one = probation_of(system_, *before);
     if (one == nullptr || one->pass("a newer change", Outcome::Kind::overtaken)) continue;
-    return being_rolled_back(one->changes().back());
+    return being_rolled_back(one->generations().back());
   }
   return ok();
 }
@@ -317,7 +318,7 @@ bool Commit::all_changed() {
   if (!answered() && leaves_newest_in_place(system_, *this)) return false;
   // Behind a barrier no member is in a job.
   const bool late = barrier_ == nullptr && swap_->result().state == SwapResult::State::waiting;
-  const bool shows = kind_ == TwoPhaseCommit::Kind::order || settled;
+  const bool shows = kind_ == TwoPhaseCommit::Kind::unconditional || settled;
   for (std::size_t i = 0; shows && i < deployed_.size(); ++i) {
     if (swap_->members()[i].settled && !entered_[i]) enter(i);
   }

@@ -32,11 +32,13 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   Commit(System& system, Content content, TwoPhaseCommit::Kind kind, Duration longest_job);
 
   bool advance() override;
-  /// An order that some member does not obey yet is answered, but not over.
+  /// An unconditional update that some member does not take yet is answered, but not over.
   [[nodiscard]] bool answered() const { return result_.has_value(); }
   [[nodiscard]] bool over() const { return over_; }
   /// A part of a stop.
-  [[nodiscard]] bool is_order() const { return kind_ == TwoPhaseCommit::Kind::order; }
+  [[nodiscard]] bool is_unconditional() const {
+    return kind_ == TwoPhaseCommit::Kind::unconditional;
+  }
   /// The commit made a generation, and its maker has not asked for the result yet.
   [[nodiscard]] bool is_unreported() const { return receipt_.generation != 0 && !reported_; }
   /// A stop of this component was asked for: it does not wait for others at a barrier.

@@ -49,8 +49,8 @@ bool is_unreported(const System& system) {
 
 std::shared_ptr<Commit> begin_commit(System& system, PreparedChange& change,
                                      TwoPhaseCommit::Kind kind, Duration longest_job) {
-  // An order was prepared from the present state; a rollback that gets into the books would undo
-  // it.
+  // An unconditional update was prepared from the present state; a rollback that gets into the
+  // books would undo it.
   if (kind == TwoPhaseCommit::Kind::transaction) advance(system);
   auto commit = std::make_shared<Commit>(system, change.share(), kind, longest_job);
   if (kind == TwoPhaseCommit::Kind::transaction) system.last_transaction = commit;

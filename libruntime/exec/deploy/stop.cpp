@@ -146,7 +146,7 @@ void Stop::park_free() {
   if (content->members.empty()) return;
   content->what = what_of("component.stop", names);
   PreparedChange change(std::move(content));
-  commits_.push_back(begin_commit(system_, change, TwoPhaseCommit::Kind::order, patience_));
+  commits_.push_back(begin_commit(system_, change, TwoPhaseCommit::Kind::unconditional, patience_));
 }
 
 /// Is every component parked or abandoned? Later stages do not wait for a thread that hangs.

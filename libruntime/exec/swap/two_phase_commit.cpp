@@ -14,11 +14,12 @@ namespace {
 constexpr Duration kShortestLead = 200us;
 constexpr Duration kLeadPerMember = 1us;
 
-/// An order is decided before it is published. It gets its instant when every member has it, so
-/// that nothing that holds up [control] meanwhile lets a member pass the instant unaware of it.
-class Order final : public Decision {
+/// An unconditional update is decided before it is published. It gets its instant when every member
+/// has it, so that nothing that holds up [control] meanwhile lets a member pass the instant unaware
+/// of it.
+class UnconditionalDecision final : public Decision {
  public:
-  Order() : Decision(kNever, State::committed) {}
+  UnconditionalDecision() : Decision(kNever, State::committed) {}
   using Decision::claim;
 };
 
@@ -62,10 +63,11 @@ void TwoPhaseCommit::attempt() {
   ++result_.attempts;
   const auto urgency = runner_.raise_priority();
   result_.instant = runner_.now() + lead_.count();
-  const auto order = kind_ == Kind::order ? std::make_shared<Order>() : nullptr;
+  const auto unconditional =
+      kind_ == Kind::unconditional ? std::make_shared<UnconditionalDecision>() : nullptr;
   const bool decided = members_.empty() && before_.empty();
-  decisions_.push_back(order);
-  if (order == nullptr) {
+  decisions_.push_back(unconditional);
+  if (unconditional == nullptr) {
     decisions_.back() = std::make_shared<Decision>(
         result_.instant, decided ? Decision::State::committed : Decision::State::prepared);
   }
@@ -73,9 +75,9 @@ void TwoPhaseCommit::attempt() {
   MAUVE_FAIL_POINT("commit.before_publish");
   for (Member& member : members_) publish(member);
   for (ResourceMember& resource : resources_) arm(resource);
-  if (order != nullptr) {
+  if (unconditional != nullptr) {
     result_.instant = runner_.now() + lead_.count();
-    static_cast<void>(order->claim(result_.instant));
+    static_cast<void>(unconditional->claim(result_.instant));
   }
   deadline_ = result_.instant + bound_.count();
   const bool late = !members_.empty() && runner_.now() >= result_.instant - kDecisionMargin.count();
@@ -178,7 +180,7 @@ void TwoPhaseCommit::settle(Member& member) {
 /// Some member does not come to a boundary, or met the update at a release and does not end the job
 /// of that release. Revokes the updates that no task has claimed.
 void TwoPhaseCommit::stop_waiting() {
-  if (kind_ == Kind::order) {
+  if (kind_ == Kind::unconditional) {
     result_.state = SwapResult::State::waiting;
     return;
   }

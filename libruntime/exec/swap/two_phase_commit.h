@@ -65,7 +65,7 @@ struct SwapResult {
     revoked,    ///< no member reached a boundary in time: nothing happened
     partly,     ///< some member did not reach a boundary in time, others did
     overtaken,  ///< the change before is rolled back: nothing happened
-    waiting,    ///< an order: some member did not reach a boundary yet, it will obey when it does
+    waiting,    ///< unconditional: some member did not reach a boundary yet, it will take it then
   };
   State state = State::under_way;
   Instant instant = 0;
@@ -78,8 +78,8 @@ inline constexpr unsigned kMaxAttempts = 5;
 class TwoPhaseCommit {
  public:
   enum class Kind : std::uint8_t {
-    transaction,  ///< all members or none; revoked when no member came in time
-    order,        ///< decided beforehand and never revoked: a stop cannot fail
+    transaction,    ///< all members or none; revoked when no member came in time
+    unconditional,  ///< decided beforehand and never revoked: a stop cannot fail
   };
 
   /// Publishes and decides. `bound`: how long after the instant members may take to answer.

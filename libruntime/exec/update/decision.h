@@ -22,8 +22,8 @@ inline constexpr Instant kClosed = kNever - 1;  ///< of a rollback that is not n
 /// Of a rollback that is being triggered: its instant follows soon.
 inline constexpr Instant kBeingTriggered = kNever - 2;
 /// No thread commits a change of components nearer to its instant than this: a member might be at
-/// its boundary already. Only orders, and the last attempt of a rollback, commit first and set the
-/// instant then.
+/// its boundary already. Only unconditional updates, and the last attempt of a rollback, commit
+/// first and set the instant then.
 inline constexpr Duration kDecisionMargin{50'000};
 
 /// Whether a change happens, and at which instant. The first transition of the state decides for
