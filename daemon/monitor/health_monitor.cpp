@@ -59,8 +59,8 @@ std::string cause_of(const Outcome& outcome) {
 
 /// "generation 3", "generations 3 to 7", "generations 3 and 5".
 std::string generations_of(const Outcome& outcome) {
-  return outcome.changes.empty() ? "generation " + std::to_string(outcome.began)
-                                 : generations_in_words(outcome.changes);
+  return outcome.generations.empty() ? "generation " + std::to_string(outcome.began)
+                                     : generations_in_words(outcome.generations);
 }
 
 }  // namespace
@@ -189,7 +189,7 @@ void HealthMonitor::report_scheduling() {
 void HealthMonitor::report(const Outcome& outcome) {
   running_->counts.note(outcome);
   if (outcome.kind == Outcome::Kind::rolled_back) {
-    running_->supervisor.roll_back(outcome.changes);  // before the generation is saved
+    running_->supervisor.roll_back(outcome.generations);  // before the generation is saved
     running_->rollback = outcome.generation;
   }
   const auto changes = changes_back(outcome);
@@ -203,7 +203,7 @@ void HealthMonitor::report(const Outcome& outcome) {
   if (running_->store != nullptr) {
     save(outcome, changes);  // before the list of quarantine
   }
-  running_->rollback_lines.forget(outcome.changes);
+  running_->rollback_lines.forget(outcome.generations);
   const bool rolled_back = outcome.kind == Outcome::Kind::rolled_back;
   for (const auto& core : rolled_back ? outcome.cores : std::vector<std::string>()) {
     if (quarantine(*running_, core, outcome.reason)) {
@@ -218,7 +218,7 @@ std::string HealthMonitor::changes_back(const Outcome& outcome) const {
   if (outcome.kind != Outcome::Kind::rolled_back) {
     return {};
   }
-  return changes_of({{"lines", running_->rollback_lines.back_from(outcome.changes)}});
+  return changes_of({{"lines", running_->rollback_lines.back_from(outcome.generations)}});
 }
 
 /// A generation that the system made by itself is saved like others; no client waits for it.
@@ -276,7 +276,7 @@ void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
   if (relieved_ < began && outcome.oldest_open == 0) {
     store.confirm_like(now, began - 1);  // no standby core took over since
   }
-  for (const auto generation : outcome.changes) {
+  for (const auto generation : outcome.generations) {
     store.mark(generation, Confirmation::rolled_back);
   }
 }

@@ -60,8 +60,8 @@ namespace {
 constexpr std::array<std::string_view, 4> kRoles = {"none", "viewer", "operator", "admin"};
 constexpr std::array<std::string_view, 7> kLanes = {"any",    "read",    "later", "aside",
                                                     "urgent", "factory", "change"};
-constexpr std::array<Effect, 7> kEffects = {Effect::reads,   Effect::answers, Effect::records,
-                                            Effect::changes, Effect::adjusts, Effect::ends,
+constexpr std::array<Effect, 7> kEffects = {Effect::reads,   Effect::out_of_band, Effect::records,
+                                            Effect::changes, Effect::adjusts,     Effect::ends,
                                             Effect::stops};
 struct EffectText {
   std::string_view word;
@@ -69,7 +69,7 @@ struct EffectText {
 };
 constexpr std::array<EffectText, 7> kEffectTexts = {{
     {"reads", "The method changes nothing"},
-    {"answers",
+    {"out_of_band",
      "The method changes nothing and is served out of band, also when all connection slots are in "
      "use"},
     {"records", "The method begins or ends a recording; the components run on as they were"},

@@ -41,16 +41,16 @@ enum class Lane : std::uint8_t {
 
 /// How a method acts on the running system.
 enum class Effect : std::uint8_t {
-  reads,    ///< changes nothing
-  answers,  ///< changes nothing; served out of band, also when all connection slots are in use
-  records,  ///< begins or ends a recording; the components run on as they were
-  changes,  ///< changes the running system, as far as the lock permits
-  adjusts,  ///< changes only counts, logs or locks of mauved; permitted under any lock
-  ends,     ///< ends a probation, also when all slots are in use; an undo is judged by its lines
-  stops,    ///< stops components; permitted under any lock, out of band, never limited
+  reads,        ///< changes nothing
+  out_of_band,  ///< changes nothing; served also when all connection slots are in use
+  records,      ///< begins or ends a recording; the components run on as they were
+  changes,      ///< changes the running system, as far as the lock permits
+  adjusts,      ///< changes only counts, logs or locks of mauved; permitted under any lock
+  ends,   ///< ends a probation, also when all slots are in use; an undo is judged by its lines
+  stops,  ///< stops components; permitted under any lock, out of band, never limited
 };
 
-/// "reads", "answers", ...
+/// "reads", "out_of_band", ...
 [[nodiscard]] std::string_view to_string(Effect effect);
 /// One sentence about the effect, without its full stop.
 [[nodiscard]] std::string_view text_of(Effect effect);
@@ -70,7 +70,7 @@ struct Method {
   [[nodiscard]] constexpr bool mutation() const { return effect >= Effect::changes; }
   /// Served even while a long change is prepared.
   [[nodiscard]] constexpr bool out_of_band() const {
-    return effect == Effect::answers || effect == Effect::stops;
+    return effect == Effect::out_of_band || effect == Effect::stops;
   }
   /// A mutation that touches nothing that runs: permitted under any lock.
   [[nodiscard]] constexpr bool harmless() const { return effect == Effect::adjusts; }

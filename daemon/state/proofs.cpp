@@ -6,7 +6,7 @@
 namespace mauve::daemon {
 
 std::vector<std::uint64_t> Proofs::passed(const Outcome& outcome) {
-  waiting_.insert(waiting_.end(), outcome.changes.begin(), outcome.changes.end());
+  waiting_.insert(waiting_.end(), outcome.generations.begin(), outcome.generations.end());
   const bool all = outcome.oldest_open == 0;
   std::vector<std::uint64_t> proven;
   std::erase_if(waiting_, [&](std::uint64_t generation) {

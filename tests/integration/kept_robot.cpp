@@ -108,10 +108,12 @@ Step Robot::stop_or_start() {
   const Json params = {{"components", {"second"}}};
   if (now_["components"]["second"].contains("start")) {
     return {"component.start", params,
-            [](Json& system) { system["components"]["second"].erase("start"); }, Step::Kind::order};
+            [](Json& system) { system["components"]["second"].erase("start"); },
+            Step::Kind::unconditional};
   }
   return {"component.stop", params,
-          [](Json& system) { system["components"]["second"]["start"] = false; }, Step::Kind::order};
+          [](Json& system) { system["components"]["second"]["start"] = false; },
+          Step::Kind::unconditional};
 }
 
 void Robot::account(const Step& step, const Json& result) {
@@ -127,7 +129,7 @@ void Robot::account(const Step& step, const Json& result) {
   const auto number = result["generation"].get<std::uint64_t>();
   Kept next{now_, Worth::unconfirmed, step.method != "component.stop"};
   // A file that only starts or stops something has nothing to prove.
-  const bool order = step.kind == Step::Kind::order ||
+  const bool order = step.kind == Step::Kind::unconditional ||
                      (step.method == "config.rollback" && !result.contains("probation"));
   if (step.kind == Step::Kind::undo) {
     undo(next);

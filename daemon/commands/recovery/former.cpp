@@ -100,7 +100,7 @@ Builds builds_after(const Running& running, const Outcome& outcome) {
     return builds;
   }
   for (const auto& [name, kept] : running.former.kept) {
-    if (std::ranges::find(outcome.changes, kept.generation) != outcome.changes.end()) {
+    if (std::ranges::find(outcome.generations, kept.generation) != outcome.generations.end()) {
       builds[name] = kept.plugin.info().build_id;
     }
   }
@@ -114,7 +114,8 @@ void let_former_go(Running& running, const Outcome& outcome) {
   }
   auto& kept = running.former.kept;
   for (auto one = kept.begin(); one != kept.end();) {
-    if (std::ranges::find(outcome.changes, one->second.generation) == outcome.changes.end()) {
+    if (std::ranges::find(outcome.generations, one->second.generation) ==
+        outcome.generations.end()) {
       ++one;
       continue;
     }

@@ -36,11 +36,11 @@ Outcome outcome_of(const Running& running, const PlaceProbation& place, Outcome:
   Outcome outcome;
   outcome.kind = kind;
   outcome.began = place.generation;
-  outcome.changes = {place.generation};
+  outcome.generations = {place.generation};
   outcome.generation = running.deployer.generation();
   outcome.reason = std::move(reason);
   for (const auto& open : running.deployer.probations()) {
-    const auto first = open.changes.front();
+    const auto first = open.generations.front();
     outcome.oldest_open = outcome.oldest_open == 0 ? first : std::min(outcome.oldest_open, first);
   }
   return outcome;

@@ -110,14 +110,14 @@ std::string step_without_undo(const Running& running) {
 
 /// A change on probation, with those that it joined.
 struct ChangeOnProbation {
-  std::vector<std::uint64_t> changes;
+  std::vector<std::uint64_t> generations;
   std::vector<std::string> components;
   std::optional<PlaceTarget> place;  ///< of a swap in place
   std::vector<std::string> notes = {};
 };
 
 Json change_json(const ChangeOnProbation& change) {
-  return {{"generations", change.changes}, {"components", change.components}};
+  return {{"generations", change.generations}, {"components", change.components}};
 }
 
 /// The changes on probation, each with the changes that it joined. A change that a rollback is
@@ -126,7 +126,8 @@ Json on_probation(const Running& running) {
   Json all = Json::array();
   for (const auto& open : running.deployer.probations()) {
     if (!open.rolls_back) {
-      all.push_back(change_json(ChangeOnProbation{open.changes, open.components, std::nullopt}));
+      all.push_back(
+          change_json(ChangeOnProbation{open.generations, open.components, std::nullopt}));
     }
   }
   for (const auto& place : running.places) {
@@ -143,10 +144,10 @@ ChangeOnProbation newest_of(const Running& running) {
   ChangeOnProbation newest;
   for (const auto& open : running.deployer.probations()) {
     if (!open.rolls_back) {
-      newest = {open.changes, open.components, std::nullopt, open.notes};
+      newest = {open.generations, open.components, std::nullopt, open.notes};
     }
   }
-  const auto than = newest.changes.empty() ? 0 : newest.changes.back();
+  const auto than = newest.generations.empty() ? 0 : newest.generations.back();
   if (auto place = newest_place(running, than)) {
     newest = {{place->generation}, {place->component}, std::move(place)};
     const auto before = newest.place->before.lock();
@@ -161,11 +162,11 @@ ChangeOnProbation newest_of(const Running& running) {
 
 /// The answer to `undo` of these changes, before they are rolled back.
 Json undone_json(const Running& running, const ChangeOnProbation& newest) {
-  Json result = {{"lines", running.rollback_lines.back_from(newest.changes)},
+  Json result = {{"lines", running.rollback_lines.back_from(newest.generations)},
                  {"undone", change_json(newest)},
                  {"components", Json::array()}};
   say_notes(newest.notes, result);
-  say_notes(notes_on_files(running, newest.changes), result);
+  say_notes(notes_on_files(running, newest.generations), result);
   return result;
 }
 
@@ -173,7 +174,7 @@ Json undone_json(const Running& running, const ChangeOnProbation& newest) {
 /// for is a change like any other.
 Status may_undo(const Running& running, const Call& call, const ChangeOnProbation& newest,
                 const Json& lines) {
-  if (running.rollback_lines.knows(newest.changes)) {
+  if (running.rollback_lines.knows(newest.generations)) {
     return may_change(running, call, lines_of(lines));
   }
   if (running.lock == Lock::none && call.caller.role == server::Role::admin) {
@@ -217,13 +218,14 @@ void undo_in_place(Running& running, const CallPtr& call, const PlaceTarget& tar
 
 /// A change came into force while an undo waited: its user did not ask for the undo of that one.
 Error not_the_newest(const ChangeOnProbation& wanted, const ChangeOnProbation& newest) {
-  const auto now = newest.changes.empty() ? std::string("no change is on probation now")
-                                          : "generation " + std::to_string(newest.changes.back()) +
-                                                " is the newest change on probation now";
+  const auto now = newest.generations.empty()
+                       ? std::string("no change is on probation now")
+                       : "generation " + std::to_string(newest.generations.back()) +
+                             " is the newest change on probation now";
   return refuse({Errc::conflict, "changed_meanwhile"}, "change.undo",
                 "another change ended while undo waited: generation " +
-                    std::to_string(wanted.changes.back()) + " was to be rolled back, but " + now +
-                    "; nothing is rolled back",
+                    std::to_string(wanted.generations.back()) + " was to be rolled back, but " +
+                    now + "; nothing is rolled back",
                 "mauvectl undo --dry-run shows what undo rolls back now");
 }
 
@@ -233,14 +235,14 @@ void begin_undo(Running& running, const CallPtr& call, const ChangeOnProbation& 
     return answer(running, *call, met.error());
   }
   const auto newest = newest_of(running);
-  if (newest.changes != wanted.changes) {
+  if (newest.generations != wanted.generations) {
     return answer(running, *call, not_the_newest(wanted, newest));
   }
   auto result = undone_json(running, newest);
   if (auto allowed = may_undo(running, *call, newest, result["lines"]); !allowed) {
     return answer(running, *call, allowed.error());
   }
-  if (flag(call->params, "dry_run") && !newest.changes.empty()) {
+  if (flag(call->params, "dry_run") && !newest.generations.empty()) {
     return answer_plan(running, *call, std::move(result));
   }
   const auto reason = text_or(call->params, "reason");

@@ -126,7 +126,7 @@ void Commit::conclude() {
     heritage_.let_go();
     return let_go_new();
   }
-  if (heritage_.changes().empty()) overtake_before();
+  if (heritage_.generations().empty()) overtake_before();
   enter_resources();
   if (system_.runner->has_abandoned())
     system_.retired.keep(content_);  // an abandoned thread may be inside a leaving element
@@ -141,7 +141,8 @@ void Commit::conclude() {
     barrier_->end();
   }
   if (!whole && rollback_ != nullptr) return trigger_rollback();
-  receipt_.generation = content_->step ? system_.generation : make_generation(system_, is_order());
+  receipt_.generation =
+      content_->step ? system_.generation : make_generation(system_, is_unconditional());
   system_.newest = weak_from_this();
   system_.looks_at_newest = 0;
   change_membership();
@@ -243,7 +244,7 @@ void Commit::change_membership() {
 }
 
 void Commit::begin_probation() {
-  if (!heritage_.changes().empty()) {
+  if (!heritage_.generations().empty()) {
     overtake_before();
     for (const PreparedMember& member : content_->members) {
       if (heritage_.origin_of(*member.component) == nullptr) continue;
@@ -251,9 +252,9 @@ void Commit::begin_probation() {
     }
     lead_late_members_back();
   }
-  system_.probations.push_back(
-      std::make_unique<ProbationPeriod>(system_, content_, std::move(rollbacks_), rollback_,
-                                        std::move(retired_), back_number_, heritage_.changes()));
+  system_.probations.push_back(std::make_unique<ProbationPeriod>(
+      system_, content_, std::move(rollbacks_), rollback_, std::move(retired_), back_number_,
+      heritage_.generations()));
 }
 
 /// A member that hangs runs the bundle that the change before gave it. It goes back when it ends

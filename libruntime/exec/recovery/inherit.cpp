@@ -195,8 +195,8 @@ void Heritage::add(ProbationPeriod& before) {
   }
   rollbacks_.push_back(before.rollback().get());
   held_.push_back(before.hold());
-  changes_.insert(changes_.end(), before.changes().begin(), before.changes().end());
-  std::sort(changes_.begin(), changes_.end());
+  generations_.insert(generations_.end(), before.generations().begin(), before.generations().end());
+  std::sort(generations_.begin(), generations_.end());
 }
 
 const Origin* Heritage::origin_of(const ComponentBase& component) const {
@@ -293,10 +293,10 @@ std::vector<std::string> notes_of(const System& system, const Content& change) {
     if (one->reported() || !concerns(system, change, one->content())) continue;
     const OpenProbation open = one->look();
     const std::string names = in_words(open.components);
-    const std::string first = std::to_string(open.changes.front());
+    const std::string first = std::to_string(open.generations.front());
     if (can_join(change, one->content())) {
-      const bool several = open.changes.size() > 1;
-      notes.push_back(generations_in_words(open.changes) + " (" + names + ")" +
+      const bool several = open.generations.size() > 1;
+      notes.push_back(generations_in_words(open.generations) + " (" + names + ")" +
                       (several ? " are still on probation, and this change joins them: `undo` or a "
                                  "failure takes back all of them together"
                                : " is still on probation, and this change joins it: `undo` or a "
@@ -305,7 +305,7 @@ std::vector<std::string> notes_of(const System& system, const Content& change) {
                       "; `mauvectl confirm` before a change keeps " +
                       (several ? "the older ones" : "the older one"));
     } else {
-      notes.push_back("the probation of " + generations_in_words(open.changes) + " (" + names +
+      notes.push_back("the probation of " + generations_in_words(open.generations) + " (" + names +
                       ") ends early: a failure rolls back to before this change only");
     }
   }

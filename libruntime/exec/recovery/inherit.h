@@ -38,7 +38,7 @@ class Heritage {
   [[nodiscard]] const Origin* origin_of(const ComponentBase& component) const;
   [[nodiscard]] bool has(const Rollback& before) const;
   /// The generations of the changes it joins.
-  [[nodiscard]] const std::vector<std::uint64_t>& changes() const { return changes_; }
+  [[nodiscard]] const std::vector<std::uint64_t>& generations() const { return generations_; }
   /// The changes before may end.
   void let_go() { held_.clear(); }
 
@@ -50,7 +50,7 @@ class Heritage {
   std::vector<Member> members_;
   std::vector<const Rollback*> rollbacks_;
   std::vector<std::shared_ptr<const void>> held_;
-  std::vector<std::uint64_t> changes_;
+  std::vector<std::uint64_t> generations_;
 };
 
 /// The origin of a rollback over both changes: `now` is that of `change` alone.

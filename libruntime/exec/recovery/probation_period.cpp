@@ -44,10 +44,10 @@ ProbationPeriod::ProbationPeriod(System& system, std::shared_ptr<Content> conten
       members_(std::move(members)),
       rollback_(std::move(rollback)),
       replaced_(std::move(replaced)),
-      changes_(std::move(joined)),
+      generations_(std::move(joined)),
       number_(number),
       began_(system.runner->now()) {
-  changes_.push_back(system.generation);
+  generations_.push_back(system.generation);
   for (const PreparedResource& change : content_->resources) {
     if (!in_force(change)) continue;
     ResourceParts before = change.base;
@@ -177,7 +177,7 @@ std::shared_ptr<const void> ProbationPeriod::hold() {
 }
 
 OpenProbation ProbationPeriod::look() const {
-  OpenProbation open{changes_,
+  OpenProbation open{generations_,
                      {},
                      Duration{system_.runner->now() - began_},
                      *content_->probation,
@@ -318,7 +318,7 @@ void ProbationPeriod::install_old() {
 
 void ProbationPeriod::report_after_all() {
   if (!std::exchange(quiet_, false)) return;
-  changes_.back() = ++system_.generation;
+  generations_.back() = ++system_.generation;
 }
 
 std::string ProbationPeriod::culprit() const {
@@ -342,12 +342,12 @@ void ProbationPeriod::name_cores(Outcome& end) const {
 void ProbationPeriod::report(Outcome::Kind kind, const std::string& reason) {
   if (quiet_) return;
   Outcome end;
-  end.began = changes_.front();
-  end.changes = changes_;
+  end.began = generations_.front();
+  end.generations = generations_;
   end.generation = system_.generation;
   for (const auto& one : system_.probations) {
     if (one.get() == this || one->reported()) continue;
-    const std::uint64_t first = one->changes_.front();
+    const std::uint64_t first = one->generations_.front();
     end.oldest_open = end.oldest_open == 0 ? first : std::min(end.oldest_open, first);
   }
   end.kind = kind;

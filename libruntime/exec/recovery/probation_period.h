@@ -58,7 +58,7 @@ class ProbationPeriod {
   [[nodiscard]] const PreparedChange::Content& content() const { return *content_; }
   [[nodiscard]] const std::vector<MemberRollback>& members() const { return members_; }
   /// The generations that its changes made, the oldest first.
-  [[nodiscard]] const std::vector<std::uint64_t>& changes() const { return changes_; }
+  [[nodiscard]] const std::vector<std::uint64_t>& generations() const { return generations_; }
   [[nodiscard]] OpenProbation look() const;
   [[nodiscard]] const std::shared_ptr<Rollback>& rollback() const { return rollback_; }
   /// False: it is over, or being rolled back already.
@@ -111,7 +111,7 @@ class ProbationPeriod {
   Retired retired_;
   Phase phase_ = Phase::watching;
   bool quiet_ = false;
-  std::vector<std::uint64_t> changes_;
+  std::vector<std::uint64_t> generations_;
   std::weak_ptr<const void> held_;
   const std::uint64_t number_;  // of the rollback, in a trace
   Instant began_;

@@ -14,7 +14,7 @@ using testing::UnorderedElementsAre;
 Outcome end_of(std::vector<std::uint64_t> changes, std::uint64_t now, std::uint64_t oldest_open) {
   Outcome outcome;
   outcome.began = changes.front();
-  outcome.changes = std::move(changes);
+  outcome.generations = std::move(changes);
   outcome.generation = now;
   outcome.oldest_open = oldest_open;
   return outcome;

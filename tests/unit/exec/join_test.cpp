@@ -122,7 +122,7 @@ TEST_F(Joining, AChangeOfAnotherComponentLeavesAProbationAsItIs) {
   ASSERT_EQ(ends.size(), 1u);
   EXPECT_EQ(ends[0].kind, Outcome::Kind::rolled_back);
   EXPECT_EQ(ends[0].component, "left");
-  EXPECT_THAT(ends[0].changes, ElementsAre(2));
+  EXPECT_THAT(ends[0].generations, ElementsAre(2));
   EXPECT_EQ(ends[0].oldest_open, 3u);
   EXPECT_EQ(ends[0].generation, 4u);
   EXPECT_EQ(core("left"), before);
@@ -141,7 +141,7 @@ TEST_F(Joining, ANewerChangeOfTheSameComponentRollsBackToWhatWasProvenLast) {
 
   ASSERT_EQ(ends.size(), 1u);
   EXPECT_EQ(ends[0].kind, Outcome::Kind::rolled_back);
-  EXPECT_THAT(ends[0].changes, ElementsAre(2, 3));
+  EXPECT_THAT(ends[0].generations, ElementsAre(2, 3));
   EXPECT_EQ(ends[0].began, 2u);
   EXPECT_EQ(ends[0].oldest_open, 0u);
   EXPECT_EQ(core("left"), before);
@@ -204,7 +204,7 @@ TEST_F(Joining, AChangeMayJoinSeveral) {
   const std::vector<Outcome> ends = report_after(300ms);
 
   ASSERT_EQ(ends.size(), 1u);
-  EXPECT_THAT(ends[0].changes, ElementsAre(2, 3, 4));
+  EXPECT_THAT(ends[0].generations, ElementsAre(2, 3, 4));
   EXPECT_EQ(core("left"), before);
   EXPECT_EQ(core("right"), before);
 }
@@ -221,7 +221,7 @@ TEST_F(Joining, ARowOfChangesIsOneProbationAndKeepsTwoCores) {
 
   ASSERT_EQ(ends.size(), 1u);
   EXPECT_EQ(ends[0].kind, Outcome::Kind::passed);
-  EXPECT_THAT(ends[0].changes, ElementsAre(2, 3, 4, 5, 6));
+  EXPECT_THAT(ends[0].generations, ElementsAre(2, 3, 4, 5, 6));
   static_cast<void>(deployer.collect().release());
   EXPECT_EQ(ramp::Up::configured_cores(), 2);
 }
@@ -373,7 +373,7 @@ TEST_F(Joining, AChangeThatCannotJoinEndsAProbationEarlyAndSaysSoBefore) {
   const std::vector<Outcome> ends = report_after(20ms);
   ASSERT_EQ(ends.size(), 1u);
   EXPECT_EQ(ends[0].kind, Outcome::Kind::overtaken);
-  EXPECT_THAT(ends[0].changes, ElementsAre(2));
+  EXPECT_THAT(ends[0].generations, ElementsAre(2));
 }
 
 }  // namespace

@@ -213,7 +213,7 @@ TEST_F(Partly, AFollowerThatHangsIsLedBackWithTheOthersWhenItsJobEnds) {
   After::shut() = false;
   EXPECT_TRUE(eventually([&] { return look(), !system.outcomes.empty(); }));
   ASSERT_EQ(system.outcomes.size(), 1u);
-  EXPECT_EQ(system.outcomes[0].changes.front(), 2u);
+  EXPECT_EQ(system.outcomes[0].generations.front(), 2u);
   EXPECT_EQ(core("left"), before_left) << "both are as before the first change";
   EXPECT_EQ(core("right"), before_right);
   EXPECT_TRUE(runs_on("left"));

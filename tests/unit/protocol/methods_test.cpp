@@ -95,7 +95,7 @@ TEST(Methods, NameTheUnitInFieldsThatEndWithOne) {
 
 TEST(Methods, ThatOnlyReadAreForViewers) {
   for (const Method& method : methods()) {
-    const bool reads = method.effect == Effect::reads || method.effect == Effect::answers;
+    const bool reads = method.effect == Effect::reads || method.effect == Effect::out_of_band;
     EXPECT_EQ(reads, method.role == Role::viewer) << method.name;
   }
 }

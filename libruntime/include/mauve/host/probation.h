@@ -31,12 +31,12 @@ struct Probation {
 
 /// Changes on probation together.
 struct OpenProbation {
-  std::vector<std::uint64_t> changes;   ///< the generations they made, the oldest first
-  std::vector<std::string> components;  ///< that are rolled back when one of them fails
-  Duration passed{0};                   ///< since the newest of the changes
-  Probation rules;                      ///< of the newest change
-  bool rolls_back = false;              ///< a failure, or undo(), has triggered the rollback
-  std::vector<std::string> notes = {};  ///< states that the rollback cannot bring back
+  std::vector<std::uint64_t> generations;  ///< the generations they made, the oldest first
+  std::vector<std::string> components;     ///< that are rolled back when one of them fails
+  Duration passed{0};                      ///< since the newest of the changes
+  Probation rules;                         ///< of the newest change
+  bool rolls_back = false;                 ///< a failure, or undo(), has triggered the rollback
+  std::vector<std::string> notes = {};     ///< states that the rollback cannot bring back
 };
 
 }  // namespace mauve

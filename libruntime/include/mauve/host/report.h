@@ -125,7 +125,7 @@ struct Outcome {
   std::vector<std::string> cores;
   /// Of a probation: the generations that its changes made, the oldest first. There are several
   /// when newer changes of the same components joined it.
-  std::vector<std::uint64_t> changes = {};
+  std::vector<std::uint64_t> generations = {};
   /// Of a probation: the first change of the oldest other one that is open; 0: there is no other,
   /// so that all that runs has proved itself.
   std::uint64_t oldest_open = 0;
