@@ -44,6 +44,7 @@ bool Boundary::is_early(const TaskUpdate& next) const {
 }
 
 bool Boundary::serve() {
+  const bool ran = task_.running || task_.waiting;
   if (TaskUpdate* next = task_.mailbox.pending()) {
     if (next->decision->state() == Decision::State::aborted) {
       give_back(*next);
@@ -59,7 +60,10 @@ bool Boundary::serve() {
   }
   if (task_.mailbox.halted() && (task_.running || task_.waiting)) stand_still();
   if (task_.failed && task_.running && !faults_.may_recover()) task_.park(ComponentState::faulted);
-  return true;
+  // A parked task takes an update at once that the running one would have taken at its release. No
+  // thread wakes it for that.
+  const bool parks = ran && !task_.running && !task_.waiting;
+  return !parks || serve();
 }
 
 /// The change takes effect, but a direct stop has priority. Then the component does not run, and

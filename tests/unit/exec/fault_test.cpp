@@ -245,6 +245,35 @@ TEST(EndOfAProcessDeathTest, ReportsEachRuntimeEventThatCameBefore) {
               "the motor stands.*mauve: [0-9.]+ s after T0: control: swapped");
 }
 
+/// An update at an instant after the next release is not taken while the failed core waits for
+/// another one. When that wait ends, no thread wakes the parked task for it.
+TEST(Fault, ThatNoCoreRecoversTakesTheUpdateThatWaitsForItsRelease) {
+  constexpr Instant kT0 = 1'000'000'000;
+  ramp::Architecture architecture;
+  architecture.control.task().on_fault.action = FaultPolicy::Action::restart;
+  ASSERT_TRUE(architecture.control.configure());
+  ManualClock clock{kT0};
+  exec::Task task{"control", clock};
+  auto first = exec::first_bundle(architecture.control, Mode::run);
+  task.begin(std::move(first), kT0);
+  clock.set(task.next_release());
+  task.core_failure().fail(exec::Cause::threw, clock.now());
+  ASSERT_TRUE(task.run_release());
+  exec::Decision decision(clock.now() + Duration(1s).count(), exec::Decision::State::committed);
+  auto* const next = exec::first_bundle(architecture.control, Mode::run).release();
+  const auto answer = next->answer;
+  next->decision = &decision;
+  task.mailbox().publish(*next);
+  ASSERT_TRUE(task.serve());
+  ASSERT_NE(answer->progress.load(), exec::TaskUpdate::Progress::done) << "it runs until then";
+
+  task.core_failure().declare_hopeless(task.core_failure().at());
+  ASSERT_TRUE(task.serve());
+
+  EXPECT_EQ(answer->progress.load(), exec::TaskUpdate::Progress::done);
+  EXPECT_TRUE(task.running()) << "the update starts it";
+}
+
 /// The guard parks the task of an abandoned thread for which it gets no other thread.
 TEST(Fault, OfATaskWithoutAThreadIsCountedTracedAndLogged) {
   constexpr Instant kT0 = 1'000'000'000;
