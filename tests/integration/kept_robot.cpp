@@ -108,12 +108,10 @@ Step Robot::stop_or_start() {
   const Json params = {{"components", {"second"}}};
   if (now_["components"]["second"].contains("start")) {
     return {"component.start", params,
-            [](Json& system) { system["components"]["second"].erase("start"); },
-            Step::Kind::unconditional};
+            [](Json& system) { system["components"]["second"].erase("start"); }, Step::Kind::order};
   }
   return {"component.stop", params,
-          [](Json& system) { system["components"]["second"]["start"] = false; },
-          Step::Kind::unconditional};
+          [](Json& system) { system["components"]["second"]["start"] = false; }, Step::Kind::order};
 }
 
 void Robot::account(const Step& step, const Json& result) {
@@ -129,7 +127,7 @@ void Robot::account(const Step& step, const Json& result) {
   const auto number = result["generation"].get<std::uint64_t>();
   Kept next{now_, Worth::unconfirmed, step.method != "component.stop"};
   // A file that only starts or stops something has nothing to prove.
-  const bool order = step.kind == Step::Kind::unconditional ||
+  const bool order = step.kind == Step::Kind::order ||
                      (step.method == "config.rollback" && !result.contains("probation"));
   if (step.kind == Step::Kind::undo) {
     undo(next);

@@ -53,7 +53,7 @@ Json probations(const Running& running) {
     const auto& rules = one.rules;
     const bool confirms = rules.confirm_within > Duration{0};
     const auto left = (confirms ? rules.confirm_within : rules.time) - one.passed;
-    rows.push_back({{"generations", one.changes},
+    rows.push_back({{"generations", one.generations},
                     {"components", one.components},
                     {"state", one.rolls_back ? "rolls_back"
                               : confirms     ? "awaits_confirmation"
