@@ -53,6 +53,13 @@ inline Json exported(TrialDaemon& daemon) { return daemon.ask("config.get")["arc
 
 inline Json newest(TrialDaemon& daemon) { return daemon.ask("config.history")["items"][0]; }
 
+/// The answer of a stop. An ordinary thread that gets no processor for 2 s stops later, with its
+/// safe values written.
+inline bool is_stop(const Json& answer) {
+  const auto state = answer.value("data", answer).value("state", "");
+  return state == "applied" || state == "safe";
+}
+
 inline bool was_logged(TrialDaemon& daemon, const std::string& event) {
   return eventually([&] {
     const auto log = daemon.ask("log.tail", {{"n", 1000}});

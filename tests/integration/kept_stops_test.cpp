@@ -11,18 +11,23 @@ using testing::HasSubstr;
 const Json kSecond = {{"components", {"second"}}};
 
 void stop_second(TrialDaemon& daemon) {
-  ASSERT_EQ(daemon.ask("component.stop", kSecond)["state"], "applied");
+  EXPECT_TRUE(is_stop(daemon.ask("component.stop", kSecond)));
   ASSERT_TRUE(eventually([&] { return newest(daemon)["command"] == "component.stop"; }));
+}
+
+/// A value on probation, then the stop of `second`.
+void stop_second_on_probation(TrialDaemon& daemon, const std::string& address) {
+  ASSERT_EQ(daemon.ask("change.confirm")["saved"], true) << "it has just been started";
+  const Json tried = {{"values", {{address, 3.0}}}, {"confirm_within", "600s"}};
+  ASSERT_EQ(daemon.ask("param.set", tried)["saved"], true);
+  ASSERT_NO_FATAL_FAILURE(stop_second(daemon));
 }
 
 class KeptStop : public Generations {};
 
 TEST_F(KeptStop, OfAChangeOnProbationHoldsInTheOlderGeneration) {
   TrialDaemon daemon(kTrial, options());
-  ASSERT_EQ(daemon.ask("change.confirm")["saved"], true) << "it has just been started";
-  const Json tried = {{"values", {{"second.core.gain", 3.0}}}, {"confirm_within", "600s"}};
-  ASSERT_EQ(daemon.ask("param.set", tried)["saved"], true);
-  ASSERT_NO_FATAL_FAILURE(stop_second(daemon));
+  ASSERT_NO_FATAL_FAILURE(stop_second_on_probation(daemon, "second.core.gain"));
   ASSERT_EQ(newest(daemon)["mark"], "unconfirmed");
 
   crash(daemon);
@@ -82,10 +87,7 @@ TEST_F(KeptStop, OfAFaultedComponentHolds) {
 
 TEST_F(KeptStop, EndsWithTheStartOfItsComponent) {
   TrialDaemon daemon(kTrial, options());
-  ASSERT_EQ(daemon.ask("change.confirm")["saved"], true) << "it has just been started";
-  const Json tried = {{"values", {{"first.core.gain", 3.0}}}, {"confirm_within", "600s"}};
-  ASSERT_EQ(daemon.ask("param.set", tried)["saved"], true);
-  ASSERT_NO_FATAL_FAILURE(stop_second(daemon));
+  ASSERT_NO_FATAL_FAILURE(stop_second_on_probation(daemon, "first.core.gain"));
   ASSERT_EQ(daemon.ask("component.start", kSecond)["saved"], true);
 
   crash(daemon);
