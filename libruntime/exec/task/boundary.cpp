@@ -50,12 +50,12 @@ bool Boundary::serve() {
       give_back(*next);
     } else if (is_early(*next) && task_.mailbox.claim(*next)) {
       touch(*next);
-      if (!take_early(*next, task_.meter.now())) return false;
+      if (!take_early(*next)) return false;
     }
   }
   if (TaskUpdate* back = task_.mailbox.back()) {
     if (is_early(*back) && task_.mailbox.claim_rollback(*back)) {
-      if (!take_early(*back, task_.clock.now())) return false;
+      if (!take_early(*back)) return false;
     }
   }
   if (task_.mailbox.halted() && (task_.running || task_.waiting)) stand_still();
@@ -68,8 +68,8 @@ bool Boundary::serve() {
 
 /// The change takes effect, but a direct stop has priority. Then the component does not run, and
 /// its outputs, which may be others, have their safe values before the coordinator goes on.
-bool Boundary::take_early(TaskUpdate& next, Instant begin) {
-  if (!take(next, begin)) return false;
+MAUVE_RUNS_AT_A_SWAP bool Boundary::take_early(TaskUpdate& next) {
+  if (!take(next, task_.meter.now())) return false;
   if (unacknowledged_ != nullptr && task_.mailbox.halted()) stand_still();
   acknowledge();
   return true;

@@ -48,7 +48,7 @@ class Boundary {
   [[nodiscard]] TaskUpdate* claim_takeover();
   /// `begin`: when the job that the change delays would have begun. False: see cross().
   [[nodiscard]] bool take(TaskUpdate& next, Instant begin);
-  [[nodiscard]] bool take_early(TaskUpdate& next, Instant begin);
+  [[nodiscard]] bool take_early(TaskUpdate& next);
   void record_applied(const TaskUpdate& next, Instant time);
   void touch(const TaskUpdate& next) const;
   [[nodiscard]] bool take_state(TaskUpdate& next);

@@ -26,12 +26,12 @@ std::vector<std::unique_ptr<TaskUpdate>> Mailbox::reclaim() {
   return all;
 }
 
-MAUVE_RUNS_AT_A_SWAP TaskUpdate* Mailbox::exchange_back(std::unique_ptr<TaskUpdate> back) {
+MAUVE_RUNS_AT_A_SWAP TaskUpdate* Mailbox::exchange_back(std::unique_ptr<TaskUpdate>&& back) {
   if (back == nullptr && this->back() == nullptr) return nullptr;
   return back_.exchange(back.release(), std::memory_order_acq_rel);
 }
 
-MAUVE_RUNS_AT_A_SWAP TaskUpdate* Mailbox::exchange_standby(std::unique_ptr<TaskUpdate> standby) {
+MAUVE_RUNS_AT_A_SWAP TaskUpdate* Mailbox::exchange_standby(std::unique_ptr<TaskUpdate>&& standby) {
   return standby_.exchange(standby.release(), std::memory_order_acq_rel);
 }
 

@@ -61,10 +61,11 @@ class Mailbox {
   [[nodiscard]] TaskUpdate* pending() const { return pending_.load(std::memory_order_acquire); }
   [[nodiscard]] TaskUpdate* back() const { return back_.load(std::memory_order_acquire); }
   [[nodiscard]] TaskUpdate* standby() const { return standby_.load(std::memory_order_acquire); }
-  /// Puts the rollback of a new update in place. Returns the one before, or null.
-  [[nodiscard]] TaskUpdate* exchange_back(std::unique_ptr<TaskUpdate> back);
+  /// Puts the rollback of a new update in place and leaves null there. Returns the one before, or
+  /// null. The code that frees a parameter by value would not fit onto the page of the swap code.
+  [[nodiscard]] TaskUpdate* exchange_back(std::unique_ptr<TaskUpdate>&& back);
   /// The same for the core that stands by.
-  [[nodiscard]] TaskUpdate* exchange_standby(std::unique_ptr<TaskUpdate> standby);
+  [[nodiscard]] TaskUpdate* exchange_standby(std::unique_ptr<TaskUpdate>&& standby);
   /// The task does not use it any more; reclaim() returns it. Only the task's thread adds.
   void retire(TaskUpdate& unused);
   /// The task passes a quiescent point: it reads no update that was withdrawn before. The

@@ -25,4 +25,8 @@ namespace mauve::rt {
 #endif
 }
 
+std::size_t swap_code_size() {
+  return static_cast<std::size_t>(__stop_mauve_swap_code - __start_mauve_swap_code);
+}
+
 }  // namespace mauve::rt
