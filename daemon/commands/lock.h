@@ -32,7 +32,8 @@ enum class Kind : std::uint8_t {
 /// steps, whose change is judged. Ask before preparing a change, and again before it is committed.
 [[nodiscard]] Status may_change(const Running& running, Kind kind);
 
-/// The change stops components, and makes nothing else different. No reason refuses such a change.
+/// The change stops components, and makes nothing else different. Neither a lock nor a quarantine
+/// nor an abandoned thread refuses such a change.
 [[nodiscard]] bool only_stops(const Change& change);
 
 /// [control] Refused with `conflict` while everything is locked, unless the change only_stops().

@@ -265,11 +265,7 @@ void Supervisor::carry_out(Dispatch dispatch) {
   };
   const bool queued = control_.change([this, call, steps = std::move(steps)](Ticket ticket) {
     call->before = running_->generation;
-    auto met = check_conditions(*running_, *call);
-    if (met) {
-      met = may_prepare(control_.abandoned_threads(), std::nullopt);
-    }
-    if (!met) {
+    if (const auto met = check_conditions(*running_, *call); !met) {
       return answer(*running_, *call, met.error());
     }
     control_.works_for(std::nullopt);
@@ -280,6 +276,9 @@ void Supervisor::carry_out(Dispatch dispatch) {
     }
     if (change->edits.empty()) {
       return answer(*running_, *call, to_json(Receipt{running_->generation, {}, {}, 0, {}}));
+    }
+    if (const auto may = may_prepare_change(*running_, *change, std::nullopt); !may) {
+      return answer(*running_, *call, may.error());
     }
     apply(*running_, call, std::move(ticket), *std::move(change));
   });

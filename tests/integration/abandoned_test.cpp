@@ -243,6 +243,7 @@ TEST_F(Abandoned, TooOftenRefusesWhatIsNewButNeverAStop) {
   EXPECT_THAT(refused["message"].get<std::string>(), HasSubstr("2 hooks of changes of yours"));
   EXPECT_EQ(ask("architecture.apply", {{"text", kTrial}})["data"]["name"], "wrong_state");
   EXPECT_EQ(daemon_->component("first")["state"], "running");
+  EXPECT_EQ(ask("change.apply", {{"text", R"([{"stop": "first"}])"}})["state"], "applied");
   EXPECT_EQ(ask("component.stop", {{"all", true}})["state"], "applied");
   open();
   ASSERT_TRUE(eventually([&] { return abandoned_threads().empty(); }));

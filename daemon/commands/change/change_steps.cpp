@@ -9,6 +9,7 @@
 #include "commands/change/policies.h"
 #include "commands/model.h"
 #include "commands/path_rule.h"
+#include "commands/recovery/abandoned.h"
 
 namespace mauve::daemon {
 
@@ -66,6 +67,9 @@ void change_steps(Running& running, const CallPtr& call, Ticket ticket) {
   }
   if (change->edits.empty()) {
     return answer(running, *call, to_json(Receipt{running.generation, {}, {}, 0, {}}));
+  }
+  if (auto allowed = may_prepare_change(running, *change, call->caller.peer.uid); !allowed) {
+    return answer(running, *call, allowed.error());
   }
   keep_values_and_states(running, *policy, *change);
   apply(running, call, std::move(ticket), *std::move(change));

@@ -7,6 +7,7 @@
 #include <cstddef>
 
 #include "base/duration.h"
+#include "commands/lock.h"
 #include "mauve/host/architecture.h"
 
 namespace mauve::daemon {
@@ -35,14 +36,15 @@ Error thread_abandoned(const Running& running, const std::string& hook, const st
   MAUVE_ON_THREAD(control);
   const auto space = hook.find(' ');
   const bool placed = space != std::string::npos;
-  return refuse({Errc::timed_out, "hook_did_not_return"}, placed ? hook.substr(0, space) : at,
-                (placed         ? hook.substr(space + 1)
-                 : hook.empty() ? "user code"
-                                : hook) +
-                    " did not return within " + format_duration(running.control.prepare_within()) +
-                    ", so mauved abandoned its thread: " + now,
-                "the abandoned thread keeps its library in memory until mauved is restarted: mend "
-                "the function, or give it longer with mauved --prepare-within");
+  return refuse(
+      {Errc::timed_out, "hook_did_not_return"}, placed ? hook.substr(0, space) : at,
+      (placed         ? hook.substr(space + 1)
+       : hook.empty() ? "user code"
+                      : hook) +
+          " did not return within " + format_duration(running.control.prepare_within()) +
+          ", so mauved abandoned its thread: " + now,
+      "the abandoned thread keeps its library in memory until mauved is restarted: correct "
+      "the function, or give it longer with mauved --prepare-within");
 }
 
 void note_abandoned_in(Running& running, const std::vector<std::string>& components,
@@ -60,6 +62,9 @@ void note_abandoned_in(Running& running, const std::vector<std::string>& compone
 
 Status check_abandoned_in(const Running& running, const Change& change) {
   MAUVE_ON_THREAD(control);
+  if (only_stops(change)) {
+    return ok();
+  }
   for (const auto& edit : change.edits) {
     if (auto allowed = check_name(running, edit.member); !allowed) {
       return allowed;
@@ -81,7 +86,7 @@ Status may_prepare(const std::vector<AbandonedThread>& left, std::optional<uid_t
         std::to_string(of_user) +
             " hooks of changes of yours have not returned, so no other change of yours is "
             "prepared; the components run on",
-        "`status` names the hooks; wait until they return, or mend them and restart "
+        "`status` names the hooks; wait until they return, or correct them and restart "
         "mauved");
   }
   if (left.size() < kMostAbandoned) {
@@ -92,7 +97,11 @@ Status may_prepare(const std::vector<AbandonedThread>& left, std::optional<uid_t
       std::to_string(left.size()) +
           " threads are abandoned in hooks that did not return, so no change is prepared; "
           "the components run on",
-      "`status` names the hooks; mend them, then restart mauved");
+      "`status` names the hooks; correct them, then restart mauved");
+}
+
+Status may_prepare_change(const Running& running, const Change& change, std::optional<uid_t> user) {
+  return only_stops(change) ? ok() : may_prepare(running.control.abandoned_threads(), user);
 }
 
 Json abandoned_threads(const Running& running) {

@@ -20,13 +20,17 @@ namespace mauve::daemon {
 /// them are refused. `all`: of each of them; else only of those that are not configured.
 void note_abandoned_in(Running& running, const std::vector<std::string>& components,
                        const std::string& hook, bool all);
-/// [control]
+/// [control] A change that only stops is never refused: it runs no code of the components.
 [[nodiscard]] Status check_abandoned_in(const Running& running, const Change& change);
 
 /// [any] Refused when too many threads are abandoned already, in all or by changes of this user,
 /// who may not use up the number of others. No user: only in all.
 [[nodiscard]] Status may_prepare(const std::vector<AbandonedThread>& left,
                                  std::optional<uid_t> user);
+
+/// [control] The same for a change that is known; one that only stops is never refused.
+[[nodiscard]] Status may_prepare_change(const Running& running, const Change& change,
+                                        std::optional<uid_t> user);
 
 /// [control] For `status`.
 [[nodiscard]] Json abandoned_threads(const Running& running);

@@ -312,6 +312,20 @@ TEST_F(TableTest, SetsTheLogLevelForATimeAlsoWhenAllIsLocked) {
   EXPECT_EQ(std::get<Json>(ask(Role::viewer, "log.level"))["items"], Json::array());
 }
 
+using TwoTable = Front<ramp::Two<ramp::Up>>;
+
+TEST_F(TwoTable, StopsAComponentInWhichAnAbandonedThreadMayBe) {
+  running.abandoned_in["left"] = "left.core on_configure";
+
+  const auto stopped = ask(Role::operator_, "change.apply", {{"text", R"([{"stop": "left"}])"}});
+  const auto set = refused(Role::operator_, "change.apply",
+                           {{"text", R"([{"set": "left.core.step", "value": 2.0}])"}});
+
+  ASSERT_TRUE(std::holds_alternative<Json>(stopped));
+  EXPECT_EQ(deployer.status("left").state, ComponentState::stopped);
+  EXPECT_EQ(set.id, "component_abandoned");
+}
+
 using RampTable = Front<ramp::Architecture>;
 
 TEST_F(RampTable, NamesThePortsThatAreConnectedToAResource) {
