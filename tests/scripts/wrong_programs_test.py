@@ -22,23 +22,21 @@ struct Shell : mauve::Shell {
   mauve::WritePort<double> out{*this, "out"};
 };
 struct OtherShell : mauve::Shell {};
-struct Contract : mauve::Core<Shell> {
+struct Walker : mauve::Core<Shell> {
+  using Contract = Walker;
   virtual void step() = 0;
   virtual bool ready() { return true; }
 };
-struct Good : Contract {
-  using Contract = robot::Contract;
+struct Good : Walker {
   void step() override {}
 };
-struct Forgetful : Contract {
-  using Contract = robot::Contract;
-};
-struct Fsm : mauve::Fsm<Contract> {
-  Exec work{*this, "work", &Contract::step};
+struct Forgetful : Walker {};
+struct Fsm : mauve::Fsm<Walker> {
+  Exec work{*this, "work", &Walker::step};
   Sync pause{*this, "pause", 100ms};
   mauve::Status on_configure() override {
     start_at(work);
-    work.when(&Contract::ready, pause).then(pause);
+    work.when(&Walker::ready, pause).then(pause);
     pause.then(work);
     return mauve::ok();
   }
@@ -129,28 +127,28 @@ class WrongPrograms(unittest.TestCase):
 
     def test_an_execution_state_of_a_method_that_returns_bool(self):
         self.refused("an execution state is declared as `Exec NAME{*this, ",
-                     "struct Bad : mauve::Fsm<Contract> {"
-                     ' Exec work{*this, "work", &Contract::ready}; };', "(void)Bad();")
+                     "struct Bad : mauve::Fsm<Walker> {"
+                     ' Exec work{*this, "work", &Walker::ready}; };', "(void)Bad();")
 
     def test_an_execution_state_without_its_owner(self):
         self.refused("an execution state is declared as `Exec NAME{*this, ",
-                     "struct Bad : mauve::Fsm<Contract> {"
-                     ' Exec work{"work", &Contract::step}; };', "(void)Bad();")
+                     "struct Bad : mauve::Fsm<Walker> {"
+                     ' Exec work{"work", &Walker::step}; };', "(void)Bad();")
 
     def test_an_execution_state_without_its_name(self):
         self.refused("an execution state is declared as `Exec NAME{*this, ",
-                     "struct Bad : mauve::Fsm<Contract> {"
-                     ' Exec work{*this, &Contract::step}; };', "(void)Bad();")
+                     "struct Bad : mauve::Fsm<Walker> {"
+                     ' Exec work{*this, &Walker::step}; };', "(void)Bad();")
 
     def test_a_synchronization_state_without_a_unit(self):
         self.refused("with a duration that has a unit",
-                     "struct Bad : mauve::Fsm<Contract> {"
+                     "struct Bad : mauve::Fsm<Walker> {"
                      ' Sync pause{*this, "pause", 100}; };', "(void)Bad();")
 
     def test_a_guard_that_returns_nothing(self):
         self.refused("when() takes a method `bool f()` of the contract class",
                      "struct Bad : Fsm { void f() {"
-                     " work.when(&Contract::step, pause); } };", "(void)Bad();")
+                     " work.when(&Walker::step, pause); } };", "(void)Bad();")
 
     def test_a_property_without_its_owner(self):
         self.refused("a property is declared as `Property<T> NAME{*this, ",
@@ -178,6 +176,14 @@ class WrongPrograms(unittest.TestCase):
                      "struct Alone : mauve::Core<Shell> { void step() {} };",
                      'plugin.component<Shell, Alone, Fsm>("bad");')
 
+    def test_a_state_machine_of_an_abstract_class_that_is_no_contract(self):
+        members = ("struct Base : mauve::Core<Shell> { virtual void update() = 0; };"
+                   "struct Alone : Base { void update() override {} };")
+        for body in ('plugin.core<Alone>("core"); plugin.component<Shell, mauve::PeriodicFsm<Base>>("bad", "core");',
+                     'plugin.component<Shell, Alone, mauve::PeriodicFsm<Base>>("bad");',
+                     'plugin.fsm<mauve::PeriodicFsm<Base>>("bad");'):
+            self.refused("so other cores derive from it: let it say `using Contract = ITS_NAME;`", members, body)
+
     def test_a_component_whose_classes_are_in_another_order(self):
         self.refused("the first class of a component is its shell", "",
                      'plugin.component<Good, Fsm>("bad");')
@@ -202,7 +208,7 @@ class WrongPrograms(unittest.TestCase):
 
     def test_a_core_that_does_not_derive_from_its_contract(self):
         self.refused("a core derives from its contract class",
-                     "struct Bad : mauve::Core<Shell> { using Contract = robot::Contract; };",
+                     "struct Bad : mauve::Core<Shell> { using Contract = robot::Walker; };",
                      'plugin.core<Bad>("bad");')
 
     def test_a_core_with_arguments(self):
@@ -224,7 +230,7 @@ class WrongPrograms(unittest.TestCase):
 
     def test_an_execution_state_of_another_core(self):
         self.refused("an execution state is declared as `Exec NAME{*this, ",
-                     'struct Bad : mauve::Fsm<Contract> { Exec work{*this, "work", &Tank::level}; };',
+                     'struct Bad : mauve::Fsm<Walker> { Exec work{*this, "work", &Tank::level}; };',
                      "(void)Bad();")
 
     def test_a_property_of_a_type_without_description(self):
@@ -277,8 +283,8 @@ class WrongPrograms(unittest.TestCase):
         self.refused_in_a_core("a call port is a member of a shell", 'mauve::CallPort<double()> bad{*this, "bad"};')
         self.refused_in_a_core("an event port is a member of a shell", 'mauve::EventPort<> bad{*this, "bad"};')
 
-    def test_a_read_port_with_a_fallback_of_another_type(self):
-        self.refused_in_a_shell("with a fallback of its type", 'mauve::ReadPort<Plain> bad{*this, "bad", 1};')
+    def test_a_read_port_with_a_default_of_another_type(self):
+        self.refused_in_a_shell("with a default of its type", 'mauve::ReadPort<Plain> bad{*this, "bad", 1};')
 
     def test_a_write_port_with_a_safe_value_of_another_type(self):
         for value in ("mauve::Safe{0}", "Plain{}"):

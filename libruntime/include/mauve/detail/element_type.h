@@ -76,6 +76,16 @@ Contract contract_of_core() {
   return {};
 }
 
+/// Cores derive from an abstract class, so that class says that it is their contract.
+template <typename C>
+constexpr bool check_contract() {
+  constexpr bool kNamed = !std::is_abstract_v<C> || requires { typename C::Contract; };
+  static_assert(kNamed,
+                "mauve: the class that a state machine calls is abstract, so other cores derive "
+                "from it: let it say `using Contract = ITS_NAME;`");
+  return kNamed;
+}
+
 /// A state machine of cores of some kind.
 template <typename T>
 inline constexpr bool kIsFsm = std::derived_from<T, FsmBase>&& requires {
@@ -84,7 +94,8 @@ inline constexpr bool kIsFsm = std::derived_from<T, FsmBase>&& requires {
 template <typename T>
 constexpr bool check_fsm() {
   static_assert(kIsFsm<T>, "mauve: a state machine derives publicly from mauve::Fsm<YourContract>");
-  return kIsFsm<T>;
+  if constexpr (kIsFsm<T>) return check_contract<typename T::CoreType>();
+  return false;
 }
 
 /// The shell, core and state machine of a component fit one another: the first thing that does not
@@ -103,7 +114,7 @@ constexpr bool check_parts() {
       static_assert(kSame,
                     "mauve: this state machine calls cores of another shell: name the shell that "
                     "its contract class has in mauve::Core<...>");
-      return kSame;
+      return kSame && check_contract<typename FsmT::CoreType>();
     }
   }
   return false;
