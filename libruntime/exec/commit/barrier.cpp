@@ -85,9 +85,9 @@ void Barrier::begin(const std::vector<Deployed*>& members, std::uint64_t number)
   std::vector<Member> waiting;
   for (Deployed* one : gathered_)
     waiting.push_back(member_at(*one, TaskUpdate::Barrier::wait, number_));
-  gathering_ = std::make_unique<TwoPhaseCommit>(std::move(waiting), std::vector<ResourceMember>{},
-                                                *system_.runner, kLongestWait,
-                                                TwoPhaseCommit::Kind::transaction);
+  gathering_ =
+      std::make_unique<TwoPhaseCommit>(std::move(waiting), std::vector<ResourceMember>{},
+                                       *system_.runner, kLongestWait, TwoPhaseCommit::Kind::change);
 }
 
 bool Barrier::advance() {

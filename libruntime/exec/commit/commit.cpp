@@ -239,24 +239,24 @@ void Commit::add_standby(std::size_t index, const Deployed& deployed, TaskUpdate
   standby_cores_[index] = {standby, &takes_over, next.standby->answer};
 }
 
-Member Commit::forth(std::size_t index, Deployed& deployed) {
+Member Commit::make_member(std::size_t index, Deployed& deployed) {
   const PreparedMember& change = content_->members[index];
   Member member;
   member.task = deployed.task.get();
   member.next = make_update(change);
   member.next->number = number_;
   add_standby(index, deployed, *member.next);
-  if (rollback_ != nullptr) begin_rollback(change, deployed, *member.next);
+  if (rollback_ != nullptr) add_rollback(change, deployed, *member.next);
   return member;
 }
 
-void Commit::begin_rollback(const PreparedMember& change, Deployed& deployed, TaskUpdate& next) {
+void Commit::add_rollback(const PreparedMember& change, Deployed& deployed, TaskUpdate& next) {
   Origin origin = origin_of(change, deployed.state() == ComponentState::running);
   const Origin* const before = heritage_.origin_of(*change.component);
   if (before != nullptr) origin = further_back(*before, origin, change);
   next.back = make_rollback(change, origin);
   next.rollback = rollback_.get();
-  lead_by(*next.back);
+  decide_by_rollback(*next.back);
   next.tolerated = content_->probation->misses;
   const unsigned window = std::min(content_->probation->window, 64U);
   next.window = window == 64 ? ~0ULL : (1ULL << window) - 1;
@@ -268,7 +268,7 @@ void Commit::begin_rollback(const PreparedMember& change, Deployed& deployed, Ta
   member.releases_before = deployed.task->counters().releases.load();
 }
 
-void Commit::lead_by(TaskUpdate& back) {
+void Commit::decide_by_rollback(TaskUpdate& back) {
   back.decision = &rollback_->decision();
   back.rollback = rollback_.get();
   back.number = back_number_;
@@ -293,10 +293,13 @@ void Commit::hold_members() {
 
 void Commit::publish(TwoPhaseCommit::Kind kind, Duration longest_job) {
   std::vector<Member> members;
-  for (std::size_t i = 0; i < deployed_.size(); ++i) members.push_back(forth(i, *deployed_[i]));
+  for (std::size_t i = 0; i < deployed_.size(); ++i) {
+    members.push_back(make_member(i, *deployed_[i]));
+  }
   if (barrier_ != nullptr) {
     for (Member& bystander : barrier_->resume()) members.push_back(std::move(bystander));
   }
+  late_jobs_.emplace(*system_.runner, deployed_);
   swap_ = std::make_unique<TwoPhaseCommit>(std::move(members), resource_members(), *system_.runner,
                                            longest_job, kind, before_);
   report_attempt();
@@ -310,7 +313,7 @@ bool Commit::advance() {
   return over_ || answered();
 }
 
-/// True when no member is left to wait for. The model shows a transaction whole and together with
+/// True when no member is left to wait for. The model shows a change whole and together with
 /// its generation: when the model is saved meanwhile, the saved one is no mixture.
 bool Commit::all_changed() {
   const bool settled = swap_->advance();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "exec/commit/barrier.h"
+#include "exec/commit/late_jobs.h"
 #include "exec/recovery/inherit.h"
 #include "exec/recovery/probation_period.h"
 #include "exec/swap/two_phase_commit.h"
@@ -61,15 +62,15 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   Status let_in_new();
   void let_go_new();
   void hold_members();
-  void begin_rollback(const PreparedMember& change, Deployed& deployed, TaskUpdate& next);
-  void lead_by(TaskUpdate& back);
-  void lead_late_members_back();
+  void add_rollback(const PreparedMember& change, Deployed& deployed, TaskUpdate& next);
+  void decide_by_rollback(TaskUpdate& back);
+  void roll_back_late_members();
   [[nodiscard]] bool pass_barrier();
   void publish(TwoPhaseCommit::Kind kind, Duration longest_job);
   void report_attempt();
   void report_end();
   void add_standby(std::size_t index, const Deployed& deployed, TaskUpdate& next);
-  [[nodiscard]] Member forth(std::size_t index, Deployed& deployed);
+  [[nodiscard]] Member make_member(std::size_t index, Deployed& deployed);
   [[nodiscard]] std::vector<ResourceMember> resource_members() const;
   void enter(std::size_t index);
   void enter_resources();
@@ -93,6 +94,7 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   std::vector<StandbyCore> standby_cores_;  // by member: the one that comes with it
   std::unique_ptr<Barrier> barrier_;        // null: the cut
   std::unique_ptr<TwoPhaseCommit> swap_;    // null: not yet past the barrier
+  std::optional<LateJobs> late_jobs_;       // none: not yet past the barrier
   std::shared_ptr<Rollback> rollback_;      // null: no probation
   /// The rollbacks of those earlier changes on probation that this change concerns.
   std::vector<std::shared_ptr<Rollback>> before_;

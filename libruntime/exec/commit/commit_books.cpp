@@ -173,7 +173,8 @@ void Commit::overtake_before() {
   let_fade(system_);
 }
 
-/// Some member hangs in its job: those that have changed go back, so that there is no mixture.
+/// Some member hangs in its job, or its state was not converted: those that have changed go back,
+/// so that there is no mixture.
 void Commit::trigger_rollback() {
   const bool quietly =
       rollback_->trigger(system_.runner->clock(), "some member did not end its job in time");
@@ -194,15 +195,17 @@ bool Commit::all_went_back() {
   const bool under_way = one != nullptr;
   if (under_way && system_.runner->now() < back_by_) return false;
   if (under_way) one->report_after_all();
+  const std::string late = late_jobs_->reason(silent());
   result_ = not_applied();
   if (!under_way && !failed().empty()) {
     result_ = refuse({Errc::hook_threw, "conversion_failed"}, failed(),
                      "could not convert the state of the core before, so the change was revoked",
-                     "mend its converter: the log says how it failed");
+                     "correct its converter: the log says how it failed");
   } else if (!under_way) {
-    result_ = refuse({Errc::timed_out, "component_hangs"}, result_->error().at,
-                     "did not end its job within 2 s, so the change was revoked on all others",
-                     "look at `status`: a core that never returns holds its component");
+    result_ =
+        refuse({Errc::timed_out, "component_hangs"}, result_->error().at,
+               "did not end its job within 2 s, so the change was revoked on all others" + late,
+               "look at `status`: a core that never returns holds its component");
   }
   return true;
 }
@@ -250,7 +253,7 @@ void Commit::begin_probation() {
       if (heritage_.origin_of(*member.component) == nullptr) continue;
       retire(*member.base, *member.next, retired_);
     }
-    lead_late_members_back();
+    roll_back_late_members();
   }
   system_.probations.push_back(std::make_unique<ProbationPeriod>(
       system_, content_, std::move(rollbacks_), rollback_, std::move(retired_), back_number_,
@@ -259,13 +262,13 @@ void Commit::begin_probation() {
 
 /// A member that hangs runs the bundle that the change before gave it. It goes back when it ends
 /// its job.
-void Commit::lead_late_members_back() {
+void Commit::roll_back_late_members() {
   for (std::size_t i = 0; i < rollbacks_.size(); ++i) {
     MemberRollback& member = rollbacks_[i];
     const PreparedMember& change = content_->members[i];
     if (member.in_force || heritage_.origin_of(*change.component) == nullptr) continue;
     auto back = make_rollback(change, member.origin);
-    lead_by(*back);
+    decide_by_rollback(*back);
     member.back = back.get();
     member.answer = back->answer;
     member.in_force = true;
@@ -294,8 +297,8 @@ Error Commit::not_applied() const {
         {Errc::partly, "conversion_failed_in_force"}, names,
         "could not convert the state of the core before: a component failed with its safe "
         "values written, a resource is poisoned; the change is in force",
-        content_->in_place ? "mend its converter, then swap again"
-                           : "mend its converter, then swap again; without --probation off it "
+        content_->in_place ? "correct its converter, then swap again"
+                           : "correct its converter, then swap again; without --probation off it "
                              "would have been rolled back");
   }
   std::string names;
@@ -311,6 +314,7 @@ Error Commit::not_applied() const {
                   "is held by a caller that does not leave it, so it was not changed",
                   "look at `status`: a core that never returns holds its component");
   }
+  const std::string late = late_jobs_->reason(silent());
   const std::string look = "look at `status`: a core that never returns holds its component";
   switch (swap_->result().state) {
     case SwapResult::State::overtaken:
@@ -320,22 +324,23 @@ Error Commit::not_applied() const {
                     "every attempt missed its instant: the machine is overloaded", "try again");
     case SwapResult::State::revoked:
       return refuse({Errc::timed_out, "component_hangs"}, names,
-                    "did not end its job within 2 s, so the change was revoked", look);
+                    "did not end its job within 2 s, so the change was revoked" + late, look);
     case SwapResult::State::waiting:
       return refuse({Errc::partly, "stops_later"}, names,
-                    "did not end its job in time; it will obey when it does", look);
+                    "did not end its job in time; it will obey when it does" + late, look);
     default:
       if (rollback_ != nullptr) {
         return refuse(
             {Errc::partly, "rollback_incomplete"}, names,
             "did not end its job within 2 s: the change is rolled back on the others, but "
-            "some of them do not end their job either",
+            "some of them do not end their job either" +
+                late,
             look);
       }
       return refuse({Errc::partly, "change_incomplete"}, names,
                     "did not end its job within 2 s: the change is in force on the others only, a "
-                    "mixture that "
-                    "is not safe to keep",
+                    "mixture that is not safe to keep" +
+                        late,
                     "stop the component that hangs, then change it, or all others back");
   }
 }

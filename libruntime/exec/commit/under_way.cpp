@@ -40,7 +40,7 @@ void advance(System& system) {
 
 /// A command that has dropped its commit never asks for the result.
 bool is_unreported(const System& system) {
-  const auto last = system.last_transaction.lock();
+  const auto last = system.last_change.lock();
   if (last == nullptr || !last->is_unreported()) return false;
   const bool kept_here =
       std::find(system.under_way.begin(), system.under_way.end(), last) != system.under_way.end();
@@ -51,9 +51,9 @@ std::shared_ptr<Commit> begin_commit(System& system, PreparedChange& change,
                                      TwoPhaseCommit::Kind kind, Duration longest_job) {
   // An unconditional update was prepared from the present state; a rollback that gets into the
   // books would undo it.
-  if (kind == TwoPhaseCommit::Kind::transaction) advance(system);
+  if (kind == TwoPhaseCommit::Kind::change) advance(system);
   auto commit = std::make_shared<Commit>(system, change.share(), kind, longest_job);
-  if (kind == TwoPhaseCommit::Kind::transaction) system.last_transaction = commit;
+  if (kind == TwoPhaseCommit::Kind::change) system.last_change = commit;
   if (!commit->over()) system.under_way.push_back(commit);
   return commit;
 }

@@ -39,7 +39,7 @@ Status check_names(const System& system, const Change& change) {
   for (const Edit& edit : change.edits) {
     if (contains(changed, edit.member)) {
       return refuse({Errc::duplicate, "changed_twice"}, edit.member,
-                    "is changed twice in one transaction");
+                    "is changed twice in one change");
     }
     changed.push_back(edit.member);
   }
@@ -60,7 +60,7 @@ Status check_names(const System& system, const Change& change) {
     if (contains(changed, name) ||
         std::count(change.remove.begin(), change.remove.end(), name) > 1) {
       return refuse({Errc::duplicate, "changed_twice"}, name,
-                    "is removed and changed in one transaction");
+                    "is removed and changed in the same change");
     }
   }
   return ok();

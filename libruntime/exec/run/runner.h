@@ -5,6 +5,7 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,12 @@
 namespace mauve::exec {
 
 class Task;
+
+/// How the thread of a task uses the processors.
+struct ThreadUse {
+  Duration ran{0};      ///< since the thread began
+  bool asleep = false;  ///< it neither runs nor waits for a processor, but for something else
+};
 
 class Runner {
  public:
@@ -52,6 +59,10 @@ class Runner {
   virtual void look_again() {}
   /// May abandoned threads still be in elements of this task? Null: of any task?
   [[nodiscard]] virtual bool has_abandoned(const Task* /*task*/ = nullptr) const { return false; }
+  /// Nothing where time is simulated.
+  [[nodiscard]] virtual std::optional<ThreadUse> use_of(const Task& /*task*/) const {
+    return std::nullopt;
+  }
   /// Simulations: runs all jobs due by then.
   virtual void run_until(Instant /*instant*/) {}
 };

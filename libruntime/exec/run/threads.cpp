@@ -112,6 +112,13 @@ class Threads final : public Runner {
     return done;
   }
 
+  [[nodiscard]] std::optional<ThreadUse> use_of(const Task& task) const override {
+    const rt::PiMutexLock lock(mutex_);
+    const auto worker = workers_.find(&task);
+    if (worker == workers_.end()) return std::nullopt;
+    return ThreadUse{worker->second->thread.used(), worker->second->thread.asleep()};
+  }
+
   bool end(Task& task, Instant deadline) override {
     Worker* const worker = begin_end(task);
     if (worker == nullptr) return true;
@@ -141,6 +148,14 @@ class Threads final : public Runner {
   struct Worker {
     Worker(Task& its_task, rt::ThreadAttributes its_attributes)
         : task(its_task), attributes(std::move(its_attributes)) {}
+
+    /// Is a job past its bound because it runs on and on, or sleeps? A job that more urgent
+    /// threads, or a host that stood still, keep from the processor is not to blame.
+    [[nodiscard]] bool is_to_blame(Instant bound) const {
+      const Duration used = thread.used() - used_before;
+      return used.count() >= bound / kShareToJudge * 9 / 10 || thread.asleep();
+    }
+
     Task& task;
     rt::ThreadAttributes attributes;
     std::atomic<bool> quit{false};
@@ -245,13 +260,6 @@ class Threads final : public Runner {
            now() < worker.task.known_release() + bound + kBeyondBound.count();
   }
 
-  /// Is a job past its bound because it runs on and on, or sleeps? A job that more urgent threads,
-  /// or a host that stood still, keep from the processor is not to blame.
-  [[nodiscard]] static bool is_to_blame(const Worker& worker, Instant bound) {
-    const Duration used = worker.thread.used() - worker.used_before;
-    return used.count() >= bound / kShareToJudge * 9 / 10 || worker.thread.asleep();
-  }
-
   /// The host does not let its CPU run at this moment, and charges that time to its job: the job is
   /// judged by the time from now on. The excuse ends after twice the bound, because a core can keep
   /// even the probe from running.
@@ -289,7 +297,7 @@ class Threads final : public Runner {
       worker->used_before = worker->thread.used();
     }
     if (now() < since + bound) return since + bound;
-    if (is_excused(*worker, since, bound) || !is_to_blame(*worker, bound)) {
+    if (is_excused(*worker, since, bound) || !worker->is_to_blame(bound)) {
       return now() + kBetweenLooks.count();
     }
     if (worker->calls != kCalls) {

@@ -37,7 +37,7 @@ bool is_member(const PreparedChange::Content& content, const ComponentBase& comp
 }
 
 Duration longest_job(const Deployed& deployed) {
-  const Duration measured{deployed.task->counters().execution_max.load(std::memory_order_relaxed)};
+  const Duration measured{deployed.task->counters().elapsed_max.load(std::memory_order_relaxed)};
   return std::max(measured, deployed.component->bundle()->task.budget);
 }
 

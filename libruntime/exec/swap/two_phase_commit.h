@@ -78,7 +78,7 @@ inline constexpr unsigned kMaxAttempts = 5;
 class TwoPhaseCommit {
  public:
   enum class Kind : std::uint8_t {
-    transaction,    ///< all members or none; revoked when no member came in time
+    change,         ///< all members or none; revoked when no member came in time
     unconditional,  ///< decided beforehand and never revoked: a stop cannot fail
   };
 

@@ -94,9 +94,9 @@ class System {
       MAUVE_GUARDED_BY(members);  ///< of components that left; under `members`
   std::vector<std::string> warnings;
   std::vector<std::shared_ptr<Commit>> under_way;
-  std::weak_ptr<const Commit> last_transaction;  ///< as long as its maker has it
-  std::weak_ptr<const Commit> newest;            ///< which made the newest generation
-  unsigned looks_at_newest = 0;                  ///< while its maker has not asked for it
+  std::weak_ptr<const Commit> last_change;  ///< as long as its maker has it
+  std::weak_ptr<const Commit> newest;       ///< which made the newest generation
+  unsigned looks_at_newest = 0;             ///< while its maker has not asked for it
   std::vector<std::shared_ptr<ProbationPeriod>> probations;  ///< the oldest first
   std::vector<std::shared_ptr<ProbationPeriod>> fading;      ///< over, but a thread may still look
   Retired retired;                                           ///< of changes that are over

@@ -66,7 +66,7 @@ class Partly : public testing::Test {
     if (probation) change.probation.emplace();
     auto prepared = prepare_change(system, change);
     if (!prepared) return prepared.error();
-    const auto commit = begin_commit(system, *prepared, TwoPhaseCommit::Kind::transaction, 500ms);
+    const auto commit = begin_commit(system, *prepared, TwoPhaseCommit::Kind::change, 500ms);
     static_cast<void>(system.runner->await([&] { return commit->advance(); }, kNever));
     return commit->result();
   }
@@ -114,7 +114,7 @@ TEST_F(Partly, AChangeShowsInTheModelWholeAndWithItsGeneration) {
   Change change = both<ramp::Down>();
   auto prepared = prepare_change(system, change);
   ASSERT_TRUE(prepared);
-  const auto commit = begin_commit(system, *prepared, TwoPhaseCommit::Kind::transaction, 1h);
+  const auto commit = begin_commit(system, *prepared, TwoPhaseCommit::Kind::change, 1h);
 
   const std::uint64_t began = releases("right");
   ASSERT_TRUE(eventually([&] {

@@ -181,8 +181,8 @@ TEST_F(Transactions, RefuseWhatIsEmptyOrSaidTwice) {
   duplicate.new_resources.push_back({data("speed"), {}});
 
   EXPECT_EQ(apply({}).error().message, "is empty: it says nothing that is to be different");
-  EXPECT_EQ(apply(twice).error().message, "is changed twice in one transaction");
-  EXPECT_EQ(apply(gone).error().message, "is removed and changed in one transaction");
+  EXPECT_EQ(apply(twice).error().message, "is changed twice in one change");
+  EXPECT_EQ(apply(gone).error().message, "is removed and changed in the same change");
   EXPECT_EQ(apply(duplicate).error().message, "there is something of this name already");
   EXPECT_EQ(deployer.generation(), 1u);
 }
