@@ -7,23 +7,22 @@
 namespace mauve::ctl::argument_table {
 
 inline constexpr Argument kState = choice("--state", "\"drop\": begin with a fresh state", "drop");
-inline constexpr Argument kSync =
-    choice("--sync",
-           "\"cut\", or \"barrier\": members wait for each other; unsaid: where a contract changes",
-           "cut barrier");
+inline constexpr Argument kSync = choice(
+    "--sync",
+    "\"cut\", or \"barrier\": members wait for each other; default: where a contract changes",
+    "cut barrier");
 inline constexpr Argument kComponent = one("COMPONENT", "name of a component", Kind::component);
 inline constexpr Argument kPort = one("PORT", "such as control.ports.scan", Kind::port);
 
 inline constexpr Argument kProbation =
     also("off",
-         maybe("--probation", "so many jobs of each member before it counts as good (3000), or off",
-               Kind::none));
-inline constexpr Argument kMisses =
-    maybe("--misses",
-          "late jobs tolerated on probation, M of the last K such as 1/64 "
-          "(2/64; M is at least 1); a late "
-          "job counts once, however many releases it cost",
-          Kind::none);
+         maybe("--probation",
+               "jobs of each member until the probation ends (default: 3000), or off", Kind::none));
+inline constexpr Argument kMisses = maybe(
+    "--misses",
+    "M/K, such as 1/64: late jobs that the probation tolerates, M of the last K; M is at least "
+    "1 (default: 2/64); a late job counts once, however many releases it cost",
+    Kind::none);
 inline constexpr Argument kConfirmWithin = maybe(
     "--confirm-within", "rolled back unless confirmed in this time, such as 30s", Kind::duration);
 
@@ -44,12 +43,12 @@ inline constexpr Argument kWatch[] = {
           Kind::duration),
     flag("--changes", "only values that differ from the one before")};
 inline constexpr Argument kFor =
-    maybe("--for", "how long, such as 10s; unsaid: until Ctrl-C", Kind::duration);
+    maybe("--for", "how long, such as 10s; default: until Ctrl-C", Kind::duration);
 inline constexpr Argument kRecord[] = {
     some("ADDRESS", "such as pose.read or control.missed", Kind::address), kFor,
-    maybe("-o,--output", "file for the CSV; unsaid: standard output", Kind::file)};
+    maybe("-o,--output", "file for the CSV; default: standard output", Kind::file)};
 inline constexpr Argument kPicture =
-    maybe("-o,--output", "file for the SVG; unsaid: standard output", Kind::file);
+    maybe("-o,--output", "file for the SVG; default: standard output", Kind::file);
 inline constexpr Argument kPlot[] = {
     some("ADDRESS", "of numbers, such as pose.read", Kind::address), kFor, kPicture};
 inline constexpr Argument kMap[] = {
@@ -70,7 +69,7 @@ inline constexpr Argument kGraph[] = {
     flag("--mermaid", "for Markdown (by itself where the file ends with .mmd)"),
     flag("--svg", "a picture (by itself where the file ends with .svg)"),
     maybe("--fsm", "the state machine of this component instead", Kind::component),
-    maybe("-o,--output", "file for it; unsaid: standard output", Kind::file)};
+    maybe("-o,--output", "file for it; default: standard output", Kind::file)};
 inline constexpr Argument kSet[] = {some("ADDRESS=VALUE", "JSON, or a bare text", Kind::assignment),
                                     kDryRun,
                                     kState,
@@ -139,7 +138,7 @@ inline constexpr Argument kStats[] = {
 inline constexpr Argument kTop[] = {
     flag("-b,--batch", "tables one below the other, for scripts; with --json a line each"),
     maybe("-n,--count", "end after so many", Kind::number),
-    maybe("--interval", "how often it looks, such as 500ms; unsaid: 1s", Kind::duration)};
+    maybe("--interval", "how often it looks, such as 500ms; default: 1s", Kind::duration)};
 inline constexpr Argument kRules[] = {
     maybe("RULE", "only this one, with all its parts", Kind::rule)};
 inline constexpr Argument kWhy[] = {kComponent};
@@ -169,7 +168,7 @@ inline constexpr Argument kRollback[] = {
 inline constexpr Argument kUndo[] = {flag("--dry-run", "show which changes it rolls back")};
 inline constexpr Argument kTrace[] = {
     one_of("ACTION", "start, stop, status, list or dump", "start stop status list dump"),
-    maybe("RECORDING", "of dump: one of the list; unsaid: what is traced now", Kind::recording),
+    maybe("RECORDING", "of dump: one of the list; default: what is traced now", Kind::recording),
     flag("--detail", "of start: every use of a port too"),
     maybe("--for", "of start: what is kept, such as 10s", Kind::duration),
     maybe("-o,--output", "of dump: *.mtrace, *.json for Perfetto, else a folder of CTF",
@@ -190,17 +189,17 @@ inline constexpr Argument kLogs[] = {
     maybe("--grep", "with this in text, component or event; capitals do not matter", Kind::none)};
 inline constexpr Argument kLog[] = {
     one_of("WHAT", "level", "level"),
-    also(
-        "debug info warn error default",
-        maybe("SETTING", "[COMPONENT=]LEVEL: debug, info, warn, error or default; unsaid: shows it",
-              Kind::none)),
+    also("debug info warn error default",
+         maybe("SETTING",
+               "[COMPONENT=]LEVEL: debug, info, warn, error or default; default: shows it",
+               Kind::none)),
     maybe("--for", "reverts by itself after this time, such as 10min", Kind::duration)};
 inline constexpr Argument kTraceFile = one("FILE", "a trace, *.mtrace", Kind::file);
 inline constexpr Argument kTimeline[] = {
     also("live", maybe("FILE", "a trace, *.mtrace; unsaid, or live: that of the running system",
                        Kind::file)),
     maybe("--from",
-          "time since T0, such as 1.2s; unsaid: around why it was kept, or the last second",
+          "time since T0, such as 1.2s; default: around why it was kept, or the last second",
           Kind::duration),
     maybe("--to", "time since T0", Kind::duration),
     {"--component", "only these, such as control,scan", Kind::component, false, true},

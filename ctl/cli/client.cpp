@@ -160,7 +160,8 @@ std::variant<Json, Fault> Client::call(std::string_view method, const Json& para
   const std::string line = protocol::to_line(protocol::make_request(++last_id_, method, params));
   if (line.size() > protocol::kMaxLine) {
     return fault_of(refuse({Errc::limit, "request_too_long"}, std::string(method),
-                           "the request is longer than 1 MiB"));
+                           "the request is longer than 1 MiB, so it was not sent",
+                           "send less at a time: a smaller file, or fewer steps"));
   }
   if (auto fault = send(line + "\n", deadline)) return lost(std::move(*fault));
   while (true) {

@@ -17,8 +17,8 @@ int compare(Session& session, const std::vector<std::string>& generations) {
   for (const std::string& text : generations) {
     const auto number = count_of(text);
     if (!number) {
-      return session.fail(wrong_use("usage_not_a_generation", "a generation is a number", text,
-                                    "mauvectl history lists them"));
+      return session.fail(wrong_use("usage_not_a_generation", "'" + text + "' is not a generation",
+                                    {}, "mauvectl history lists them"));
     }
     numbers.push_back(*number);
   }

@@ -87,7 +87,7 @@ std::string over_budget_in_words(const Json& why) {
   if (over == 0) return {};
   return counted(over, "job") + " over the budget of " +
          nanoseconds_in_words(number(why, "budget_ns")) + " (longest " +
-         nanoseconds_in_words(number(why, "execution_max_ns")) + " from start to end" +
+         nanoseconds_in_words(number(why, "elapsed_max_ns")) + " from start to end" +
          processor_time_in_words(why) + ")";
 }
 

@@ -30,7 +30,7 @@ struct TopRow {
   std::optional<double> late_last;
   std::optional<double> late_max;
   bool unfinished = false;  ///< released, and its job has not ended
-  std::optional<double> execution_last;
+  std::optional<double> elapsed_last;
   std::optional<double> execution_p99;
   std::optional<double> execution_max;
   std::optional<double> busy;  ///< share of the time

@@ -77,7 +77,7 @@ std::vector<Cell> cells_of(const TopRow& row) {
           {row.every > 0 ? short_time(row.every) : "-"},
           {short_time(row.late_last)},
           {short_time(row.late_max)},
-          {row.unfinished ? "+++" : short_time(row.execution_last)},
+          {row.unfinished ? "+++" : short_time(row.elapsed_last)},
           {short_time(row.execution_p99)},
           {short_time(row.execution_max)},
           {share(row.busy)},

@@ -110,7 +110,7 @@ std::vector<TopRow> top_rows(const TopData& now, const TopData& before) {
                       named(counted_before, row.name), number(before.statistics, "t_ns"));
     const bool counted = number(member(statistics, "lateness"), "count") > 0;
     if (counted) row.late_last = maybe_time(status, "lateness_last_ns");
-    if (counted) row.execution_last = maybe_time(status, "execution_last_ns");
+    if (counted) row.elapsed_last = maybe_time(status, "elapsed_last_ns");
     row.late_max = maybe_time(member(statistics, "lateness"), "max_ns");
     row.execution_p99 = maybe_time(member(statistics, "execution"), "p99_ns");
     row.execution_max = maybe_time(member(statistics, "execution"), "max_ns");
@@ -140,7 +140,7 @@ Json to_json(const TopRow& row) {
           {"lateness_last_ns", maybe(row.late_last)},
           {"lateness_max_ns", maybe(row.late_max)},
           {"unfinished", row.unfinished},
-          {"execution_last_ns", maybe(row.execution_last)},
+          {"elapsed_last_ns", maybe(row.elapsed_last)},
           {"execution_p99_ns", maybe(row.execution_p99)},
           {"execution_max_ns", maybe(row.execution_max)},
           {"busy", row.busy ? Json(*row.busy) : Json()},

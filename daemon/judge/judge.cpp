@@ -18,7 +18,7 @@ namespace {
 /// A process on a slow and busy machine; from then on it looks at the time itself.
 constexpr Duration kToBegin = 10s;
 constexpr const char* kUntouched =
-    "nothing of it came near the running system: mend the plugin, or take another file";
+    "nothing of it came near the running system: correct the plugin, or take another file";
 
 /// "first.core constructor": the address becomes that of the refusal.
 Error lost(Reason reason, const std::string& hook, const std::string& happened) {

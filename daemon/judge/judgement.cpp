@@ -169,7 +169,7 @@ Json to_json(const arch::Problems& problems) {
            {"at", problem.error.at},
            {"code", to_string(Errc::limit)},
            {"message", "and " + std::to_string(problems.size() - kMost) + " more errors"},
-           {"hint", "mend the first ones"}});
+           {"hint", "correct the first ones"}});
       break;
     }
     errors.push_back({{"line", problem.where.line},

@@ -42,7 +42,7 @@ class Supervisor {
   void request(std::string component, std::string transaction);
 
   [[nodiscard]] const rules::Supervision& supervision() const { return supervision_; }
-  /// How often another one came. [control]
+  /// How often adopt() replaced the rules. [control]
   [[nodiscard]] std::uint64_t adoptions() const { return adoptions_; }
   /// How many rules the lock keeps from firing. [control]
   [[nodiscard]] std::size_t held() const;

@@ -123,7 +123,8 @@ Status LineFramer::feed(std::string_view bytes) {
   if (!overflown_) return ok();
   partial_ = {};
   return refuse({Errc::limit, "request_too_long"}, {},
-                "line longer than " + std::to_string(limit_) + " bytes", "split the request");
+                "the line is longer than " + std::to_string(limit_) + " bytes, so it was dropped",
+                "send less at a time");
 }
 
 void LineFramer::finish_line() {

@@ -46,7 +46,7 @@ struct Fault {
   std::string name = "internal";    ///< one word, stable: "abi_mismatch"
   std::string message;              ///< one sentence
   int exit = 1;                     ///< see Exit
-  std::string state = "unchanged";  ///< of the robot now
+  std::string state = "unchanged";  ///< of the running system now
   std::string where;                ///< address, or file:line:column
   std::string hint;
   std::string id = {};  ///< name of its entry for `mauvectl explain`, may be empty

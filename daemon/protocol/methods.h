@@ -68,7 +68,7 @@ struct Method {
 
   /// A mutation also takes every_mutation_takes(), leaves an audit line and is limited by rate.
   [[nodiscard]] constexpr bool mutation() const { return effect >= Effect::changes; }
-  /// Served even while a long change is prepared.
+  /// Waits for no change, and no limit of the rate holds it.
   [[nodiscard]] constexpr bool out_of_band() const {
     return effect == Effect::out_of_band || effect == Effect::stops;
   }

@@ -95,8 +95,8 @@ class GuidanceCore : public mauve::Core<ControlShell> {
     return has_value(status) && status != mauve::DataStatus::stale;
   }
 
-  /// Seconds since the job before, whichever core ran it. The robot that waited for its goal
-  /// stands.
+  /// Seconds since the job before, whichever core ran it. A robot that waits for its
+  /// goal stands still.
   static double step() {
     const double dt = mauve::to_seconds(mauve::time_step());
     return dt < 0.1 ? dt : kPace;

@@ -122,7 +122,7 @@ TEST(Value, OfAStatisticIsTheOneThatItsComponentShows) {
 
   const auto shown = daemon.ask("object.get", {{"address", "first"}})["counters"];
 
-  for (const std::string name : {"late", "lateness_max", "execution_max"}) {
+  for (const std::string name : {"late", "lateness_max", "elapsed_max"}) {
     const std::chrono::nanoseconds time(shown[name + "_ns"].get<std::int64_t>());
     EXPECT_EQ(daemon.value("first." + name), format_duration(time)) << name << shown;
   }

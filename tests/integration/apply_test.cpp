@@ -249,9 +249,10 @@ TEST_F(Apply, LoadsNoPluginForAChangeThatIsRefused) {
 TEST_F(Apply, NamesTheOptionOfMauvedWhereAPluginIsMissing) {
   EXPECT_EQ(ctl("plan", with(R"(["trial"])", R"(["trial", "no_such"])")).exit, 1);
 
-  EXPECT_THAT(client_errors(),
-              HasSubstr("hint   : mend the file, or start mauved with --plugin-dir of that plugin; "
-                        "mauvectl check looks at it again"));
+  EXPECT_THAT(
+      client_errors(),
+      HasSubstr("hint   : correct the file, or start mauved with --plugin-dir of that plugin; "
+                "mauvectl check looks at it again"));
 }
 
 TEST_F(Apply, RefusesAnotherName) {

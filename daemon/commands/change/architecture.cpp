@@ -110,7 +110,7 @@ class Application final : public ChangeHooks {
   Status check_prepared() override {
     if (running_.supervisor.adoptions() != compared_with_) {
       return refuse({Errc::conflict, "changed_meanwhile"}, "rules",
-                    "changed since the file was compared with them: a change was rolled back",
+                    "were changed by a rollback after the file was compared with them",
                     "look at what runs now, then apply the file again");
     }
     for (const auto& name : plugins_) {
@@ -208,7 +208,7 @@ void refuse_file(Running& running, const Call& call, Json errors) {
     return text_or(one, "id") == "plugin_not_found";
   });
   refuse_text(running, call, "the file has",
-              std::string("mend the file") +
+              std::string("correct the file") +
                   (lacks_plugin ? ", or start mauved with --plugin-dir of that plugin" : "") +
                   "; mauvectl check looks at it again",
               std::move(errors));

@@ -134,8 +134,8 @@ Json counters_of(const ComponentStatus& status) {
           {"late_ns", status.late.count()},
           {"lateness_last_ns", status.lateness_last.count()},
           {"lateness_max_ns", status.lateness_max.count()},
-          {"execution_last_ns", status.execution_last.count()},
-          {"execution_max_ns", status.execution_max.count()},
+          {"elapsed_last_ns", status.elapsed_last.count()},
+          {"elapsed_max_ns", status.elapsed_max.count()},
           {"next_release_ns", status.next_release.count()}};
 }
 

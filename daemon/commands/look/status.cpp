@@ -109,8 +109,8 @@ Json row_of(const Running& running, const ComponentStatus& one) {
               {"next_release_ns", one.next_release.count()},
               {"lateness_last_ns", one.lateness_last.count()},
               {"lateness_max_ns", one.lateness_max.count()},
-              {"execution_last_ns", one.execution_last.count()},
-              {"execution_max_ns", one.execution_max.count()}};
+              {"elapsed_last_ns", one.elapsed_last.count()},
+              {"elapsed_max_ns", one.elapsed_max.count()}};
   if (!one.fault.empty()) {
     row["fault"] = one.fault;
   }

@@ -129,7 +129,7 @@ Value statistic(const ComponentStatus& status, std::string_view name) {
   }
   return format_duration(name == "late"           ? status.late
                          : name == "lateness_max" ? status.lateness_max
-                                                  : status.execution_max);
+                                                  : status.elapsed_max);
 }
 
 /// Of a service or port that reads shared data.

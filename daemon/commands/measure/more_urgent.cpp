@@ -38,7 +38,7 @@ bool exceeded_budget(const ComponentStatus& one) {
 
 /// The processor time of the longest job over the budget, else its time from start to end.
 Duration longest_job(const ComponentStatus& one) {
-  return surely_exceeded(one) ? one.used_max : one.execution_max;
+  return surely_exceeded(one) ? one.used_max : one.elapsed_max;
 }
 
 Duration beyond_budget(const ComponentStatus& one) { return longest_job(one) - one.budget; }

@@ -107,10 +107,10 @@ void add_next_steps(const Running& running, const std::string& name, const Failu
                       ": the cores that could take its place with swap-core");
       break;
     case Reaction::fell_back:
-      hints.push_back("mauvectl swap-core " + name + " " + core + ": once it is mended");
+      hints.push_back("mauvectl swap-core " + name + " " + core + ": once the core is corrected");
       break;
     case Reaction::restarted:
-      hints.push_back("mauvectl show " + name + ": whether it goes well now");
+      hints.push_back("mauvectl show " + name + ": whether " + name + " still fails");
       break;
     case Reaction::rolled_back:
       if (!quarantine_of(running, &failure).empty()) {
@@ -129,13 +129,13 @@ void add_next_steps(const Running& running, const std::string& name, const Failu
                     ", which `watchdog` in the file sets");
   }
   if (cause == exec::Cause::over_budget || cause == exec::Cause::overruns) {
-    hints.push_back("mauvectl analyze: what its jobs take, and what they may");
+    hints.push_back("mauvectl analyze: the measured and the permitted times of its jobs");
   }
   const auto* change = change_before(running, name, failure);
   const bool parked = failure.reaction == Reaction::parked;
   if (parked && change != nullptr && running.store != nullptr && change->generation > 1) {
     hints.push_back("mauvectl rollback " + std::to_string(change->generation - 1) +
-                    ": to before the last change of it");
+                    ": back to the state before " + name + " was last changed");
   }
   if (cause) {
     hints.push_back("mauvectl explain " + std::string(exec::word_of(*cause)) +
@@ -217,7 +217,7 @@ Result<Json> why(Running& running, const Call& call) {
                  {"over_budget", status.over_present_budget},
                  {"unmeasured", status.unmeasured},
                  {"budget_ns", status.budget.count()},
-                 {"execution_max_ns", status.execution_max.count()},
+                 {"elapsed_max_ns", status.elapsed_max.count()},
                  {"used_max_ns", status.used_max.count()},
                  {"kernel", kernel_counts(rt::threads_of("/", "self"), name)},
                  {"since", began(running)},

@@ -26,7 +26,7 @@ constexpr std::array<std::pair<std::string_view, Kind>, 10> kStatistics{{
     {"over_budget", Kind::number},
     {"late", Kind::duration},
     {"lateness_max", Kind::duration},
-    {"execution_max", Kind::duration},
+    {"elapsed_max", Kind::duration},
 }};
 
 /// The kind that the description of a type names; none for structures and sequences.

@@ -35,7 +35,7 @@ analysis::Overheads overheads_of(const MachineCosts& machine) {
 Duration measured(const Deployed& deployed) {
   const Counters& counters = deployed.task->counters();
   const std::int64_t used = counters.used_max.load(std::memory_order_relaxed);
-  return Duration{used > 0 ? used : counters.execution_max.load(std::memory_order_relaxed)};
+  return Duration{used > 0 ? used : counters.elapsed_max.load(std::memory_order_relaxed)};
 }
 
 TimedComponent timed(const Deployed& deployed) {

@@ -78,7 +78,7 @@ void contradict(const Deployed& deployed, std::vector<std::string>& found) {
     found.push_back(name + " used up to " + in_words(used) + " of processor time, " + declared);
   } else if (used == Duration{0} && longer > 0) {
     found.push_back(name + " took up to " +
-                    in_words(Duration{counters.execution_max.load(std::memory_order_relaxed)}) +
+                    in_words(Duration{counters.elapsed_max.load(std::memory_order_relaxed)}) +
                     " from start to end, " + declared);
   }
   if (const std::uint64_t missed = times.missed.load(std::memory_order_relaxed); missed > 0) {

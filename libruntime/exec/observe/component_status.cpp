@@ -70,8 +70,8 @@ ComponentStatus look_at(const System& system, const Deployed& deployed) {
   status.unmeasured = counters.unmeasured.load(std::memory_order_relaxed);
   status.lateness_max = Duration{counters.lateness_max.load(std::memory_order_relaxed)};
   status.lateness_last = Duration{counters.lateness_last.load(std::memory_order_relaxed)};
-  status.execution_max = Duration{counters.execution_max.load(std::memory_order_relaxed)};
-  status.execution_last = Duration{counters.execution_last.load(std::memory_order_relaxed)};
+  status.elapsed_max = Duration{counters.elapsed_max.load(std::memory_order_relaxed)};
+  status.elapsed_last = Duration{counters.elapsed_last.load(std::memory_order_relaxed)};
   status.used_max = Duration{counters.used_max.load(std::memory_order_relaxed)};
   status.budget = bundle.task.budget;
   status.period = bundle.fsm->grid();

@@ -271,8 +271,8 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::put_in_place(TaskUpdate& next) {
   task_.current = &next;
   task_.watch.set(next.bound, next.has_safe_values);
   if (next.other_core) {
-    counters.execution_last.store(0, std::memory_order_relaxed);
-    counters.execution_max.store(0, std::memory_order_relaxed);
+    counters.elapsed_last.store(0, std::memory_order_relaxed);
+    counters.elapsed_max.store(0, std::memory_order_relaxed);
     counters.used_max.store(0, std::memory_order_relaxed);
   }
   if (same_bundle && next.back == nullptr && next.standby == nullptr) return;

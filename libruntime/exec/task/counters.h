@@ -23,10 +23,10 @@ struct Counters {
   std::atomic<std::uint64_t> restored{0};  ///< how often [guard] restored its scheduling
   std::atomic<std::int64_t> lateness_last{0};
   std::atomic<std::int64_t> lateness_max{0};
-  std::atomic<std::int64_t> execution_last{0};
-  std::atomic<std::int64_t> execution_max{0};  ///< preemption by others included
-  std::atomic<std::int64_t> used_max{0};       ///< processor time of a job; 0: none was measured
-  std::atomic<std::int64_t> next_release{0};   ///< since T0
+  std::atomic<std::int64_t> elapsed_last{0};
+  std::atomic<std::int64_t> elapsed_max{0};   ///< preemption by others included
+  std::atomic<std::int64_t> used_max{0};      ///< processor time of a job; 0: none was measured
+  std::atomic<std::int64_t> next_release{0};  ///< since T0
   std::atomic<std::uint32_t> fsm_state{0};
   std::atomic<ComponentState> state{ComponentState::stopped};
   std::atomic<bool> without_thread{false};  ///< [control] writes its safe values, and clears this

@@ -181,8 +181,8 @@ void JobRunner::account(Instant start, const JobEnd& job) {
   use.used = task_.meter.end(use, job.preempted, on_probation, counters);
   task_.wait = task_.state->duration();
   task_.arm(use.released + task_.wait.count());
-  counters.execution_last.store(use.end - start, std::memory_order_relaxed);
-  raise(counters.execution_max, use.end - start);
+  counters.elapsed_last.store(use.end - start, std::memory_order_relaxed);
+  raise(counters.elapsed_max, use.end - start);
   task_.report.record(TraceKind::wait, use.end, task_.release - task_.t0,
                       task_.meter.was_preempted(), task_.state->trace_name());
   const Duration took{use.end - start};

@@ -146,7 +146,7 @@ class Fsm : public FsmBase {
 
   /// States that take guards of this core.
   template <typename Derived>
-  class Guarded : public FsmState {
+  class WithGuards : public FsmState {
    public:
     using FsmState::FsmState;  ///< see FsmState
     /// A guard with a name, which `show` and `graph --fsm` show: a text that lives with the code.
@@ -176,11 +176,11 @@ class Fsm : public FsmBase {
   };
 
   /// Execution state.
-  class Exec final : public Guarded<Exec> {
+  class Exec final : public WithGuards<Exec> {
    public:
     /// `method` runs each time the machine enters the state. [rt]
     Exec(FsmBase& fsm, std::string_view name, void (CoreT::*method)())
-        : Guarded<Exec>(fsm, name, FsmState::Kind::execution), method_(method) {}
+        : WithGuards<Exec>(fsm, name, FsmState::Kind::execution), method_(method) {}
     /// Refuses to compile, with one sentence.
     template <typename... Wrong>
     requires(!detail::kDeclares<3, detail::Types<FsmBase&, std::string_view, void (CoreT::*)()>,
@@ -197,11 +197,11 @@ class Fsm : public FsmBase {
   };
 
   /// Synchronization state; its duration is a property of the same name.
-  class Sync final : public Guarded<Sync> {
+  class Sync final : public WithGuards<Sync> {
    public:
     /// Waits for `duration`, at least 10 us, from the release of the job before.
     Sync(FsmBase& fsm, std::string_view name, Duration duration, std::string_view text = {})
-        : Guarded<Sync>(fsm, name, FsmState::Kind::synchronization),
+        : WithGuards<Sync>(fsm, name, FsmState::Kind::synchronization),
           duration_(fsm, name, duration, text,
                     {.min = Duration{std::chrono::microseconds(10)}, .max = {}}) {}
     /// Refuses to compile, with one sentence.

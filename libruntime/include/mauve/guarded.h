@@ -19,10 +19,10 @@ namespace mauve {
 struct SafeOrder {
   /// 1 to 256; the same at any time, so no protocol with a counter or a time in its frames.
   std::string_view bytes;
-  /// Sent so often, 1 to 10. More than once where one frame may be lost, as the first may be, whose
-  /// beginning the device takes for the rest of one that was cut.
+  /// How often the bytes are sent, 1 to 10. Choose 2 or more for a protocol in frames: the device
+  /// may take the first frame for the rest of an interrupted one.
   int times = 1;
-  /// From one time to the next; all of them within 100 ms.
+  /// From one sending to the next; all of them within 100 ms.
   Duration apart{0};
   /// Of a terminal: bytes that wait to be sent are dropped first, so that no older command follows.
   bool drop_unsent = true;

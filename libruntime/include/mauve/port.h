@@ -45,11 +45,11 @@ class ReadPort final : public PortBase {
       : ReadPort(detail::none<Shell&>(), {}, detail::none<T>()) {
     static_assert(detail::kNever<Wrong...>,
                   "mauve: a read port is a member of a shell, declared as "
-                  "`ReadPort<T> NAME{*this, \"NAME\"};` or with a fallback of its type, "
+                  "`ReadPort<T> NAME{*this, \"NAME\"};` or with a default of its type, "
                   "`ReadPort<T> NAME{*this, \"NAME\", T{...}};`");
   }
 
-  /// The value, or the fallback; status() distinguishes them. [rt], wait-free on a SharedData.
+  /// The value, or the default; status() distinguishes them. [rt], wait-free on a SharedData.
   [[nodiscard]] T read() {
     static_assert(sizeof(T) <= kMaxByValue, "mauve: over 4 kB: use read(into) or look()");
     T value = default_;
@@ -135,7 +135,7 @@ class ReadPort final : public PortBase {
 /// The value to write when the component stops or faults, or the port is disconnected.
 template <typename T>
 struct Safe {
-  T value;  ///< given out in its place
+  T value;  ///< written in place of the values of the core
 };
 template <typename T>
 Safe(T) -> Safe<T>;  ///< from its value
@@ -185,7 +185,8 @@ class WritePort final : public PortBase {
       return write_otherwise(value);
     return into.taps.empty() || notify_taps(&value);
   }
-  /// Calls f(T&) on the storage of the exchange, some older value, then publishes it unchecked.
+  /// Calls f(T&) on the storage of the exchange, which holds an older value, then publishes the
+  /// result without the check of Plausible.
   template <typename F>
   bool fill(F&& f) {
     const TracedCall call = call_begins();

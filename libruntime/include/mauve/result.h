@@ -39,8 +39,8 @@ enum class Errc {
 /// Why mauve refuses something: the kind, and the name of the entry that `mauvectl explain` prints.
 /// scripts/messages.py compares both with daemon/protocol/refusals.def.
 struct Reason {
-  Errc code;       ///< the kind
-  const char* id;  ///< name of the entry
+  Errc code;       ///< decides the exit code, and whether a rule tries again
+  const char* id;  ///< of the entry in docs/messages.md
 };
 
 /// One refusal: its kind, its place (a dotted address, or file:line:column), its reason, and the

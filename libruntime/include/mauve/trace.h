@@ -149,12 +149,12 @@ class TracedCall {
   /// It begins.
   explicit TracedCall(std::uint32_t port)
       : port_(port), began_(detail::traces(TraceMode::detail) ? detail::trace_time() : 0) {}
-  /// At its end.
+  /// Records the end of the call, with the status that it returned.
   DataStatus ended(DataStatus status) const {
     if (began_ != 0) detail::trace_call(port_, began_, status);
     return status;
   }
-  /// At its end.
+  /// The same for a call that only succeeds or fails.
   bool ended(bool done) const {
     ended(done ? DataStatus::new_data : DataStatus::no_data);
     return done;

@@ -79,7 +79,8 @@ struct DataType {
   Status (*from_value)(const Value& value, void* data) = nullptr;  ///< null: not described
   Value (*describe)() = nullptr;              ///< fields with kinds and units, for people and tools
   void (*construct)(void* memory) = nullptr;  ///< default value; null for void
-  /// The type it can be made from, and how; null: none. `now` is a default value.
+  /// The older type whose values convert() turns into values of this one; null: none. `now` is a
+  /// default value.
   const DataType& (*before)() = nullptr;
   void (*convert)(const void* old, void* now) = nullptr;  ///< null with before
 };

@@ -9,14 +9,15 @@ Error crashed(const std::string& at, const char* hook, const rt::Fault& fault) {
   if (fault.interrupted) {
     return refuse({Errc::timed_out, "hook_did_not_return"}, at,
                   std::string(hook) + " did not return, so it was ended",
-                  "mend it; the log says what became of the change");
+                  "correct it; the log says whether the change is in force");
   }
   std::array<char, 96> text{};
   rt::describe(fault, text.data(), text.size());
   const std::string how = fault.call != nullptr ? " called " : " crashed: ";
-  return refuse({Errc::hook_threw, "hook_crashed"}, at, hook + how + text.data(),
-                "mend it; memory that it may have damaged is not repaired, so restart mauved when "
-                "the robot stands");
+  return refuse(
+      {Errc::hook_threw, "hook_crashed"}, at, hook + how + text.data(),
+      "correct it; memory that it may have damaged is not repaired, so restart mauved when "
+      "the robot stands");
 }
 
 }  // namespace mauve::detail

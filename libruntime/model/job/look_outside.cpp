@@ -22,7 +22,8 @@ Status guarded(ServiceBase& service, const Body& body) {
     ResourceLock::poison_and_leave_all(held);
     done.error().message += "; " + service.resource().name() +
                             " is poisoned: it refuses its users until it has a new core";
-    done.error().hint = "mend it and reload its plugin, or apply a file that gives it another core";
+    done.error().hint =
+        "correct it and reload its plugin, or apply a file that gives it another core";
   }
   return done;
 }

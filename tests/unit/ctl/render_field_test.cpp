@@ -10,13 +10,13 @@ namespace {
 
 TEST(RenderObject, WritesDurationsInstantsAndSizesWithUnits) {
   const Json object = Json::parse(R"({"address":"heater",
-    "counters":{"execution_max_ns":50900,"late_ns":0,"next_release_ns":3940000000},
+    "counters":{"elapsed_max_ns":50900,"late_ns":0,"next_release_ns":3940000000},
     "task":{"budget":"2ms","deadline":"0s","stack":65536}})");
 
   EXPECT_EQ(render_object(object, {}),
             "address  heater\n"
             "counters\n"
-            "  execution_max  50.9 us\n"
+            "  elapsed_max  50.9 us\n"
             "  late           0 ns\n"
             "  next_release   T0 + 3.940000000 s\n"
             "task\n"

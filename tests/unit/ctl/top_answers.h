@@ -42,7 +42,7 @@ inline TopData top_answers() {
             {"period_ns", 10'000'000},
             {"next_release_ns", release},
             {"lateness_last_ns", 12'345},
-            {"execution_last_ns", 23'456}};
+            {"elapsed_last_ns", 23'456}};
   };
   TopData data;
   data.status = {{"architecture", "rover"},

@@ -49,7 +49,7 @@ TEST(TopRows, BringStateAndStatisticsTogether) {
   EXPECT_FALSE(control.unfinished);
   EXPECT_TRUE(rows().at(1).unfinished) << "its next release has passed";
   EXPECT_EQ(rows().at(2).state, "faulted");
-  EXPECT_FALSE(rows().at(3).execution_last) << "it never ran";
+  EXPECT_FALSE(rows().at(3).elapsed_last) << "it never ran";
 }
 
 TEST(TopRows, ShowHowBusyItWasSinceTheLastAnswer) {

@@ -96,7 +96,7 @@ TEST(Why, AComponentThatIsLateDidNotFailButIsLate) {
   answer["overruns"] = 259;
   answer["over_budget"] = 253;
   answer["budget_ns"] = 100'000;
-  answer["execution_max_ns"] = 15'000'000;
+  answer["elapsed_max_ns"] = 15'000'000;
   answer["used_max_ns"] = 14'900'000;
 
   const std::string text = Scene({"why", "control"}, answer).outcome.out;
@@ -112,7 +112,7 @@ TEST(Why, AComponentThatIsInTimeAndExceededItsBudgetSaysSo) {
   Json answer = without_failure();
   answer["over_budget"] = 1;
   answer["budget_ns"] = 2'000'000;
-  answer["execution_max_ns"] = 8'000'000;
+  answer["elapsed_max_ns"] = 8'000'000;
 
   EXPECT_THAT(Scene({"why", "control"}, answer).outcome.out,
               testing::StartsWith("control: running, core g/gap; did not fail, but has 1 job over "
@@ -124,7 +124,7 @@ TEST(Why, TheProcessorTimeOfJobsWithinTheBudgetIsNotThatOfJobsOverIt) {
   answer["over_budget"] = 14;
   answer["unmeasured"] = 3;
   answer["budget_ns"] = 800'000;
-  answer["execution_max_ns"] = 60'000'000;
+  answer["elapsed_max_ns"] = 60'000'000;
   answer["used_max_ns"] = 23'400;
 
   EXPECT_THAT(Scene({"why", "control"}, answer).outcome.out,

@@ -22,7 +22,7 @@ ComponentStatus component(const char* name, int priority) {
   status.cpus = {1};
   status.realtime = true;
   status.period = 10ms;
-  status.execution_max = status.used_max = 1ms;
+  status.elapsed_max = status.used_max = 1ms;
   return status;
 }
 
@@ -32,7 +32,7 @@ ComponentStatus hog(const char* name, int priority, Duration used) {
   status.budget = 2ms;
   status.over_budget = 9;
   status.over_present_budget = 7;
-  status.execution_max = status.used_max = used;
+  status.elapsed_max = status.used_max = used;
   return status;
 }
 
@@ -56,7 +56,7 @@ TEST(WhyOfALateComponent, LeadsToNoneThatCannotHaveDelayedIt) {
   auto ordinary = hog("ordinary", 60, 9ms);
   ordinary.realtime = false;
   auto preempted = hog("preempted", 60, 1ms);
-  preempted.execution_max = 9ms;  // on the clock only
+  preempted.elapsed_max = 9ms;  // on the clock only
 
   EXPECT_THAT(more_urgent_hints(victim, {victim, elsewhere, ordinary, preempted,
                                          hog("less_urgent", 30, 9ms), component("sound", 60)}),
@@ -79,7 +79,7 @@ TEST(WhyOfALateComponent, LeadsFirstToOneWhoseJobDoesNotEnd) {
 TEST(WhyOfALateComponent, LeadsToOneWhoseJobsAreLongIfNoneExceededABudget) {
   const auto victim = component("victim", 40);
   auto longer = component("long", 60);
-  longer.execution_max = longer.used_max = 9500us;
+  longer.elapsed_max = longer.used_max = 9500us;
 
   EXPECT_THAT(more_urgent_hints(victim, {victim, longer, component("sound", 50)}),
               ElementsAre("mauvectl why long: it is more urgent on the same CPU, and its longest "
@@ -90,7 +90,7 @@ TEST(WhyOfALateComponent, LeadsToOneWhoseJobsAreLongIfNoneExceededABudget) {
 TEST(WhyOfALateComponent, LeadsToOneWhoseJobsOverTheBudgetHaveNoMeasuredProcessorTime) {
   const auto victim = component("victim", 40);
   auto preempted = hog("preempted", 60, 23us);
-  preempted.execution_max = 60ms;
+  preempted.elapsed_max = 60ms;
   preempted.unmeasured = 1;
 
   EXPECT_THAT(more_urgent_hints(victim, {victim, preempted}),

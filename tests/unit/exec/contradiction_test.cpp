@@ -90,12 +90,12 @@ TEST_F(Contradictions, CountJobsOverTheBudgetAnewWithAnotherBudgetOrCore) {
 TEST_F(Contradictions, AreNoneBetweenTheLastAndTheLongestJobOfAnotherCore) {
   ASSERT_TRUE(deployer.apply({{ramp::to_core<Costly>("Costly")}}));
   deployer.run_for(100ms);
-  ASSERT_EQ(deployer.status("control").execution_last, 350us);
+  ASSERT_EQ(deployer.status("control").elapsed_last, 350us);
 
   ASSERT_TRUE(deployer.apply({{ramp::to_core<ramp::Down>("Down")}}));
 
-  EXPECT_EQ(deployer.status("control").execution_max, 0us);
-  EXPECT_EQ(deployer.status("control").execution_last, 0us);
+  EXPECT_EQ(deployer.status("control").elapsed_max, 0us);
+  EXPECT_EQ(deployer.status("control").elapsed_last, 0us);
 }
 
 }  // namespace

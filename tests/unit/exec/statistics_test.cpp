@@ -98,7 +98,7 @@ TEST_F(TaskStatistics, KnowLatenessExecutionAndResponseOfEveryJob) {
   EXPECT_EQ(clean.sum + preempted.sum, 2 * 300us + 2 * 400us);
   EXPECT_EQ(times().response.look().min, 350us);
   EXPECT_EQ(times().response.look().max, 450us);
-  EXPECT_EQ(task.counters().execution_max, 400'000);
+  EXPECT_EQ(task.counters().elapsed_max, 400'000);
 }
 
 TEST_F(TaskStatistics, CountMissedOverrunsAndWhatIsOverBudget) {

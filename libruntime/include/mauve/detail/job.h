@@ -21,7 +21,7 @@ namespace rt {
 class TraceRing;
 }
 
-/// One per thread. The stepper fills it at each release; other threads keep the defaults.
+/// One per thread. JobRunner fills it when a job begins; other threads keep the defaults.
 struct Job {
   static constexpr std::size_t kMaxHeld = 8;  ///< deepest nesting of resources, checked at connect
 

@@ -85,7 +85,8 @@ class PortBase {
   virtual void write_safe(const Binding& /*connection*/, bool /*by_owner*/) const {}
   /// It was declared with Safe.
   [[nodiscard]] virtual bool has_safe_value() const { return false; }
-  /// Accesses that found no connection, or a resource busy beyond the bound. [any]
+  /// Accesses without effect: no connection, a resource that was busy for longer than the bound or
+  /// is poisoned, a value that is not plausible. [any]
   [[nodiscard]] std::uint64_t failures() const { return failures_.load(std::memory_order_relaxed); }
   /// Runtime only: the name of the port in a trace, "control.scan". Off the real-time threads.
   void name_in_trace(std::string_view name) { trace_name_ = trace_name_id(name); }

@@ -61,7 +61,7 @@ class Deployer {
 
   [[nodiscard]] Instant t0() const;          ///< the common T0, monotonic
   [[nodiscard]] const Clock& clock() const;  ///< of the releases
-  /// In force, or the newest one that no stop made: a stop makes one in each of its stages.
+  /// The generation in force; `before_stops`: the newest one that no stop made.
   [[nodiscard]] std::uint64_t generation(bool before_stops = false) const;
   /// True when every component runs with the policy it asked for.
   [[nodiscard]] bool realtime() const;
@@ -85,16 +85,16 @@ class Deployer {
   /// Step 1 of a change: checks everything, makes, configures and warms the new elements beside
   /// the running system. Runs user code. [factory] or [control]; an error changes nothing.
   Result<PreparedChange> prepare(const Change& change);
-  /// Between the two: the receipt that the change would get now, without times. Its generation is
-  /// the one in force.
+  /// Between steps 1 and 2: the receipt that the change would get now, without times. Its
+  /// generation is the one in force.
   Receipt foresee(PreparedChange& change) const;
   /// Step 2: takes effect at one instant on all components, within about one job of each.
   [[nodiscard]] std::shared_ptr<Ongoing> begin(PreparedChange& change);
   /// Waits for the answer, at most some seconds.
   Result<Receipt> wait(Ongoing& ongoing);
-  /// Both. Elements no longer in force come back in `retired`.
+  /// begin() and wait(). Elements no longer in force come back in `retired`.
   Result<Receipt> commit(PreparedChange& change, Retired& retired);
-  /// All steps in the calling thread.
+  /// prepare() and commit() in the calling thread.
   Result<Receipt> apply(const Change& change);
 
   /// All changes on probation are good: their old bundles may go. Refused when there is none.

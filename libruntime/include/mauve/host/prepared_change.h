@@ -17,7 +17,7 @@ class PreparedChange {
   /// `elements`: all of the architecture that it was prepared against. Its connections lead to some
   /// of them, so they stay alive with it, although a rollback may take them out meanwhile.
   explicit PreparedChange(std::unique_ptr<Content> content, Retired elements = {});
-  PreparedChange(PreparedChange&&) noexcept;  ///< leaves an empty one
+  PreparedChange(PreparedChange&&) noexcept;  ///< the other one is empty then
   /// Drops the change that it held.
   PreparedChange& operator=(PreparedChange&& other) noexcept {
     content_ = std::move(other.content_);  // connections go before the resources they lead to

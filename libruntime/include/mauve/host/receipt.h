@@ -40,7 +40,7 @@ struct Receipt {
   Duration commit{0};                          ///< logical instant of the change, since T0
   unsigned attempts = 0;                       ///< tries until the coordinator met its instant
   std::vector<MemberReceipt> components;       ///< those that took part
-  std::vector<std::string> warnings = {};      ///< why it was not admitted, see Admission::warn
+  std::vector<std::string> warnings = {};  ///< proofs that are missing (Admission::warn), wiring
   /// States that are kept although their fields were not compared, and states that a rollback
   /// cannot bring back. Also open probations: those that this change joins, and those that it ends
   /// early.

@@ -52,9 +52,9 @@ struct ComponentStatistics {
   std::string core;                     ///< in force
   Duration since{0};                    ///< T0 to the first job that is counted; zero: none yet
   Duration budget{0};                   ///< as declared; zero: none
-  std::uint64_t missed = 0;             ///< releases that never ran
+  std::uint64_t missed = 0;             ///< releases for which no job ran
   std::uint64_t overruns = 0;           ///< jobs that ended after their wait or deadline
-  std::uint64_t over_budget = 0;        ///< jobs longer than the budget, on the wall clock
+  std::uint64_t over_budget = 0;        ///< jobs whose elapsed time exceeds the budget
   Distribution lateness;                ///< from a release to the start of its job: of all jobs
   Distribution execution;               ///< of jobs that were not preempted
   Distribution preempted;               ///< of the others, with the time of the preempting threads

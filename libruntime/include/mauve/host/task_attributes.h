@@ -14,8 +14,8 @@ namespace mauve {
 
 /// The treatment of releases that a component could not serve in time.
 enum class OnOverrun : std::uint8_t {
-  catch_up,  ///< run every missed release back to back (paper Fig. 9)
-  skip,      ///< run the newest missed release at once, drop the older ones
+  catch_up,  ///< run a job for every late release, back to back (paper Fig. 9)
+  skip,      ///< run a job for the newest late release at once, miss the older ones
   stop,      ///< stop the component after `overrun_limit` overruns
   fallback,  ///< go on with the fallback core after `overrun_limit` overruns
 };
