@@ -126,10 +126,10 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
   const bool dry_run = flag(call->params, "dry_run") || (hooks != nullptr && hooks->dry_run());
   request->hooks = std::move(hooks);
   request->stops = stops_of(call->stops ? *call->stops : running.stops, request->change);
-  auto& edits = request->change;
+  auto& wanted = request->change;
   prepare_then(
       running, call, std::move(request), std::move(ticket),
-      [&running, &edits] { return running.deployer.prepare(edits); },
+      [&running, &wanted] { return running.deployer.prepare(wanted); },
       dry_run ? answer_dry_run : put_in_force);
 }
 

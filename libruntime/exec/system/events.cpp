@@ -76,18 +76,16 @@ std::string in_state(const rt::Event& event) {
 }
 
 std::string text_of(const rt::Event& event) {
-  const auto since_t0 = [](const LogArgument& a) {
-    return "T0 + " + format_duration(Duration{a.integer});
-  };
   const auto time = [](const LogArgument& a) { return rounded(a.integer); };
   const auto count = [](const LogArgument& a) { return std::to_string(a.integer); };
   switch (event.kind) {
     case rt::EventKind::log:
       return fill_in(event.literal, event.a, event.b);
     case rt::EventKind::started:
-      return "first release at " + since_t0(event.a);
+      return "first release at T0 + " + format_duration(Duration{event.a.integer});
     case rt::EventKind::stopped:
-      return "stopped at " + since_t0(event.a);
+      return "stopped at T0 + " + format_duration(std::chrono::round<std::chrono::milliseconds>(
+                                      Duration{event.a.integer}));
     case rt::EventKind::swapped:
       return "new elements in force, pause " + time(event.a) + ", " + count(event.b) +
              " bytes handed over";
