@@ -92,10 +92,17 @@ std::vector<fs::path> files_of(const fs::path& example) {
   return files;
 }
 
+/// An editor that knows JSON schemas completes the keys of the file.
+std::string with_schema(const std::string& text) {
+  const fs::path schema = prefix() / "share/mauve/architecture.schema.json";
+  return "{\n  \"$schema\": \"file://" + schema.string() + "\"," + text.substr(1);
+}
+
 Status copy(const fs::path& file, const ProjectKind& kind, const std::string& name) {
   auto stream = open_to_read(file);
   if (!stream) return stream.error();
-  const std::string text{std::istreambuf_iterator<char>(*stream), {}};
+  std::string text{std::istreambuf_iterator<char>(*stream), {}};
+  if (file.filename() == "architecture.json" && text.starts_with('{')) text = with_schema(text);
   const fs::path to = fs::path(name) / replaced(file.filename(), kind.plugin, name);
   return write_file(to, [&](std::ostream& out) { out << replaced(text, kind.plugin, name); });
 }

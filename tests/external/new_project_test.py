@@ -12,6 +12,10 @@ import page_test
 # Without optimisation: the compiler is most of this test.
 SCRIPT = """set -e
 mauvectl new "$1" my_project && cd my_project
+if [ -f architecture.json ]; then
+  schema=$(grep '"$schema": "file://' architecture.json | cut -d '"' -f 4)
+  [ -f "${schema#file://}" ] || { echo "architecture.json names no schema that is there" >&2; exit 1; }
+fi
 cmake -B build -DCMAKE_PREFIX_PATH="$2" -DCMAKE_BUILD_TYPE=Debug
 cmake --build build
 ctest --test-dir build --output-on-failure --no-tests=error
