@@ -12,7 +12,7 @@
 namespace mauve::exec {
 
 /// A part of a refusal: how the thread of a job spent the time that a change waited for it.
-[[nodiscard]] std::string reason_of_delay(const ThreadUse& used, Duration waited);
+[[nodiscard]] std::string reason_of_delay(Duration ran, bool asleep, Duration waited);
 
 /// Made when a change begins to wait for its members. [control]
 class LateJobs {

@@ -20,12 +20,6 @@ namespace mauve::exec {
 
 class Task;
 
-/// How the thread of a task uses the processors.
-struct ThreadUse {
-  Duration ran{0};      ///< since the thread began
-  bool asleep = false;  ///< it neither runs nor waits for a processor, but for something else
-};
-
 class Runner {
  public:
   virtual ~Runner() = default;
@@ -59,10 +53,12 @@ class Runner {
   virtual void look_again() {}
   /// May abandoned threads still be in elements of this task? Null: of any task?
   [[nodiscard]] virtual bool has_abandoned(const Task* /*task*/ = nullptr) const { return false; }
-  /// Nothing where time is simulated.
-  [[nodiscard]] virtual std::optional<ThreadUse> use_of(const Task& /*task*/) const {
+  /// Processor time that the thread of the task used since it began; none: time is simulated.
+  [[nodiscard]] virtual std::optional<Duration> processor_time(const Task& /*task*/) const {
     return std::nullopt;
   }
+  /// Its thread neither runs nor waits for a processor; reads a file of the system.
+  [[nodiscard]] virtual bool is_asleep(const Task& /*task*/) const { return false; }
   /// Simulations: runs all jobs due by then.
   virtual void run_until(Instant /*instant*/) {}
 };

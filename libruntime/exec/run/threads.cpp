@@ -112,11 +112,17 @@ class Threads final : public Runner {
     return done;
   }
 
-  [[nodiscard]] std::optional<ThreadUse> use_of(const Task& task) const override {
+  [[nodiscard]] std::optional<Duration> processor_time(const Task& task) const override {
     const rt::PiMutexLock lock(mutex_);
     const auto worker = workers_.find(&task);
     if (worker == workers_.end()) return std::nullopt;
-    return ThreadUse{worker->second->thread.used(), worker->second->thread.asleep()};
+    return worker->second->thread.used();
+  }
+
+  [[nodiscard]] bool is_asleep(const Task& task) const override {
+    const rt::PiMutexLock lock(mutex_);
+    const auto worker = workers_.find(&task);
+    return worker != workers_.end() && worker->second->thread.asleep();
   }
 
   bool end(Task& task, Instant deadline) override {
@@ -154,6 +160,15 @@ class Threads final : public Runner {
     [[nodiscard]] bool is_to_blame(Instant bound) const {
       const Duration used = thread.used() - used_before;
       return used.count() >= bound / kShareToJudge * 9 / 10 || thread.asleep();
+    }
+
+    /// Code of a core may have changed its priority or CPUs, which only the architecture may set.
+    void restore_scheduling() {
+      const int priority = attributes.priority;
+      if (quit.load() || priority <= 0 || thread.keeps(priority, attributes.cpus)) return;
+      static_cast<void>(thread.set_priority(priority));
+      if (!attributes.cpus.empty()) static_cast<void>(thread.set_cpus(attributes.cpus));
+      if (thread.keeps(priority, attributes.cpus)) task.count_restored();
     }
 
     Task& task;
@@ -270,21 +285,9 @@ class Threads final : public Runner {
     return true;
   }
 
-  /// Code of a core may have changed its priority or CPUs, which only the architecture may set.
-  static void restore_scheduling(Worker& worker) {
-    const int priority = worker.attributes.priority;
-    if (worker.quit.load() || priority <= 0) return;
-    if (worker.thread.keeps(priority, worker.attributes.cpus)) return;
-    static_cast<void>(worker.thread.set_priority(priority));
-    if (!worker.attributes.cpus.empty()) {
-      static_cast<void>(worker.thread.set_cpus(worker.attributes.cpus));
-    }
-    if (worker.thread.keeps(priority, worker.attributes.cpus)) worker.task.count_restored();
-  }
-
   /// When to look again.
   Instant look_at(std::unique_ptr<Worker>& worker) MAUVE_REQUIRES(mutex_) {
-    restore_scheduling(*worker);
+    worker->restore_scheduling();
     Task& task = worker->task;
     const Instant bound = task.bound(worker->attributes.priority > 0).count();
     if (worker->quit.load() || bound <= 0) return rt::kForever;
