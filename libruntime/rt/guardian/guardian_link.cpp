@@ -85,7 +85,7 @@ Status GuardianLink::start(GuardianPlan plan, Report report) {
   bell_ = Descriptor(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   if (!bell_) return system_error("cannot wait for outputs");
   GuardedOutputs::of_process().expect(plan_.use, [this] { ring(); });
-  return thread_.start({"mauve-guarded", 0, {}, 64 * 1024}, [this] { run(); });
+  return thread_.start({"mauve-link", 0, {}, 64 * 1024}, [this] { run(); });
 }
 
 void GuardianLink::stop(bool in_order) {
