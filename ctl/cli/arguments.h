@@ -165,7 +165,10 @@ inline constexpr Argument kRollback[] = {
     kProbation,
     kMisses,
     kConfirmWithin};
-inline constexpr Argument kUndo[] = {flag("--dry-run", "show which changes it rolls back")};
+inline constexpr Argument kConfirm[] = {flag("--dry-run", "show which changes it confirms")};
+inline constexpr Argument kUndo[] = {
+    maybe("GENERATION", "one that the change made; default: the newest change", Kind::generation),
+    flag("--dry-run", "show which changes it rolls back")};
 inline constexpr Argument kTrace[] = {
     one_of("ACTION", "start, stop, status, list or dump", "start stop status list dump"),
     maybe("RECORDING", "of dump: one of the list; default: what is traced now", Kind::recording),

@@ -70,6 +70,16 @@ int change_plugin(Session& session, std::string_view method, std::string_view ve
                 render_plugin);
 }
 
+int print_confirm_plan(Session& session, const Json& receipt) {
+  std::string changes;
+  for (const Json& one : list_in(receipt, "confirmed")) join(changes, changes_in_words(one));
+  const std::string text =
+      changes.empty() ? "no change is on probation" : "confirm would keep " + changes + " for good";
+  session.print(receipt, text + "\nnothing was changed (generation " + word(receipt, "generation") +
+                             " still running)\n");
+  return 0;
+}
+
 }  // namespace
 
 void add_options(const Session& session, Json& params) {
@@ -186,9 +196,12 @@ int run_change(Session& session) {
 }
 
 int run_confirm(Session& session) {
-  const auto answer = session.call("change.confirm", Json::object());
+  Json params = Json::object();
+  add_options(session, params);
+  const auto answer = session.call("change.confirm", std::move(params));
   if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
   const auto& receipt = std::get<Json>(answer);
+  if (member(receipt, "dry_run") == true) return print_confirm_plan(session, receipt);
   if (member(receipt, "changed") == false) {
     session.print(receipt, "generation " + word(receipt, "generation") +
                                " is kept already: no change is on probation\n");
@@ -203,6 +216,15 @@ int run_confirm(Session& session) {
 
 int run_undo(Session& session) {
   Json params = Json::object();
+  if (const std::string wanted = session.arguments.one("GENERATION"); !wanted.empty()) {
+    const auto generation = count_of(wanted);
+    if (!generation || *generation == 0) {
+      return session.fail(wrong_use("usage_not_a_generation",
+                                    "'" + wanted + "' is not a generation", {},
+                                    "mauvectl status shows the changes on probation"));
+    }
+    params["generation"] = *generation;
+  }
   add_options(session, params);
   const auto answer = session.call("change.undo", std::move(params));
   if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);

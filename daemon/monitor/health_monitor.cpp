@@ -189,7 +189,8 @@ void HealthMonitor::report_scheduling() {
 void HealthMonitor::report(const Outcome& outcome) {
   running_->counts.note(outcome);
   if (outcome.kind == Outcome::Kind::rolled_back) {
-    running_->supervisor.roll_back(outcome.generations);  // before the generation is saved
+    // Before the generation is saved.
+    running_->supervisor.roll_back(outcome.generations, !outcome.component.empty());
     running_->rollback = outcome.generation;
   }
   const auto changes = changes_back(outcome);

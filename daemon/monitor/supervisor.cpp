@@ -14,7 +14,7 @@
 #include "commands/change/change.h"
 #include "commands/lock.h"
 #include "commands/look/value.h"
-#include "commands/recovery/abandoned.h"
+#include "monitor/transaction.h"
 
 namespace mauve::daemon {
 
@@ -78,8 +78,13 @@ void Supervisor::adopt(rules::Supervision supervision, std::uint64_t generation)
 }
 
 /// At most one change on probation brings rules: another one ends the probation of the first.
-void Supervisor::roll_back(const std::vector<std::uint64_t>& generations) {
+void Supervisor::roll_back(const std::vector<std::uint64_t>& generations, bool failed) {
   MAUVE_ON_THREAD(control);
+  for (const auto rule : makers_.forget(generations, adoptions_)) {
+    if (!failed) {
+      engine_.undone(rule);
+    }
+  }
   if (adopted_in_ != 0 && std::ranges::find(generations, adopted_in_) != generations.end()) {
     adopt(std::move(before_));
   }
@@ -190,7 +195,8 @@ void Supervisor::fire(std::size_t index) {
                     {},
                     steps_of(rule),
                     {},
-                    values};
+                    values,
+                    index};
   running_->log.write(
       Event::rule_fired,
       {{"rule", rule.name}, {"transaction", dispatch.transaction}, {"text", values}});
@@ -269,18 +275,7 @@ void Supervisor::carry_out(Dispatch dispatch) {
       return answer(*running_, *call, met.error());
     }
     control_.works_for(std::nullopt);
-    auto change =
-        arch::change_of(steps, running_->architecture, running_->deployer, running_->catalog);
-    if (!change) {
-      return answer(*running_, *call, change.error());
-    }
-    if (change->edits.empty()) {
-      return answer(*running_, *call, to_json(Receipt{running_->generation, {}, {}, 0, {}}));
-    }
-    if (const auto may = may_prepare_change(*running_, *change, std::nullopt); !may) {
-      return answer(*running_, *call, may.error());
-    }
-    apply(*running_, call, std::move(ticket), *std::move(change));
+    begin_transaction(*running_, call, steps, std::move(ticket));
   });
   if (!queued) {
     answer(*running_, *call,
@@ -309,6 +304,8 @@ void Supervisor::conclude(const Dispatch& dispatch, const server::Outcome& outco
     again = !unsafe && !keeps_a_thread && is_a_matter_of_time(*fault);
   } else {
     const auto& receipt = std::get<Json>(outcome);
+    makers_.remember(receipt["generation"].get<std::uint64_t>(),
+                     {dispatch.by, dispatch.rule, adoptions_});
     answer = text_or(receipt, "state") + ", generation " + receipt["generation"].dump();
     const auto lines = changes_of(receipt);
     std::string text = answer + (lines.empty() ? "" : ": " + lines);

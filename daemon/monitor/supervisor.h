@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <functional>
+#include <optional>
 #include <set>
 #include <string>
 #include <thread>
@@ -13,6 +14,7 @@
 
 #include "base/mutex.h"
 #include "commands/command.h"
+#include "monitor/makers.h"
 #include "rules/engine.h"
 
 namespace mauve::daemon {
@@ -31,8 +33,14 @@ class Supervisor {
   /// `generation`: of the change that brings it. [main] before start(), then [control]
   void adopt(rules::Supervision supervision, std::uint64_t generation = 0);
   /// The changes that made these generations were rolled back: the supervision that they replaced,
-  /// if any, is in force again, with its rules armed. [control]
-  void roll_back(const std::vector<std::uint64_t>& generations);
+  /// if any, is in force again, with its rules armed. `failed`: because a component failed; else a
+  /// rule whose action was taken back fires again while its condition holds. [control]
+  void roll_back(const std::vector<std::uint64_t>& generations, bool failed);
+  /// A sentence on each of these generations that a rule or a component made. [control]
+  [[nodiscard]] std::vector<std::string> notes_on(
+      const std::vector<std::uint64_t>& generations) const {
+    return makers_.notes_on(generations, adoptions_);
+  }
   /// Begins to look, as soon as [control] runs. [main]
   void start(Running& running);
   /// [main], before [control] ends.
@@ -60,7 +68,8 @@ class Supervisor {
     rules::Steps steps;
     /// `again`: it was refused because this was not the time.
     std::function<void(const std::string& answer, bool again)> done;
-    std::string values = {};  ///< of the rule's condition: "second.core.input is 6"
+    std::string values = {};               ///< of the rule's condition: "second.core.input is 6"
+    std::optional<std::size_t> rule = {};  ///< that fired
   };
 
   void begin_to_look();
@@ -84,6 +93,7 @@ class Supervisor {
   rules::Engine engine_;          // [control]
   std::uint64_t adoptions_ = 0;   // [control]
   std::set<std::pair<std::string, std::string>> under_way_;  // requests, [control]
+  Makers makers_;                                            // [control]
   Running* running_ = nullptr;
 
   std::atomic<bool> look_pending_{false};

@@ -90,6 +90,11 @@ void Engine::answered(std::size_t rule, std::string answer, bool again) {
   watched_[rule].answer = std::move(answer);
 }
 
+void Engine::undone(std::size_t rule) {
+  watched_[rule].trigger.fire_again();
+  watched_[rule].answer = "undone";
+}
+
 Report Engine::report(std::size_t rule, Instant now, const Read& read) const {
   const Watched& watched = watched_[rule];
   Report report;

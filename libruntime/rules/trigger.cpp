@@ -28,9 +28,14 @@ bool Trigger::step(Instant now, Truth when, Truth rearm, bool free) {
 
 void Trigger::try_again() {
   if (state_ != State::fired) return;
+  fire_again();
+  this_hour_.pop_back();
+}
+
+void Trigger::fire_again() {
+  if (state_ != State::fired) return;
   state_ = State::holding;
   again_ = true;
-  this_hour_.pop_back();
 }
 
 State Trigger::next(Instant now, Truth when, Truth rearm) {

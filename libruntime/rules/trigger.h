@@ -43,6 +43,9 @@ class Trigger {
   /// if the condition still holds then. This time does not count for the hour.
   void try_again();
 
+  /// The effect of the firing was undone: the same, but this time counts for the hour.
+  void fire_again();
+
   /// As of the last step.
   [[nodiscard]] State state() const { return state_; }
   [[nodiscard]] const Timing& timing() const { return timing_; }

@@ -15,20 +15,6 @@ namespace mauve::daemon {
 
 namespace {
 
-/// A start or a stop brings nothing that a probation could prove, and a rollback from a start would
-/// only stop the component again. That holds for a start with a fresh core of the same type too.
-bool changes_modes_only(const Running& running, const Change& change) {
-  return !change.changes_rules && change.new_components.empty() && change.new_resources.empty() &&
-         change.remove.empty() &&
-         std::all_of(change.edits.begin(), change.edits.end(), [&](const Edit& one) {
-           const auto* component = running.architecture.find_component(one.member);
-           const bool other_core =
-               one.core &&
-               (component == nullptr || component->bundle()->core_type.name != one.core->name);
-           return one.mode != Mode::keep && !other_core;
-         });
-}
-
 /// Nothing but values, attributes of tasks and connections, each of which is in force already.
 bool is_so_already(const ChangeRequest& request) {
   const auto& change = request.change;
@@ -131,6 +117,18 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
       running, call, std::move(request), std::move(ticket),
       [&running, &wanted] { return running.deployer.prepare(wanted); },
       dry_run ? answer_dry_run : put_in_force);
+}
+
+bool changes_modes_only(const Running& running, const Change& change) {
+  return !change.changes_rules && change.new_components.empty() && change.new_resources.empty() &&
+         change.remove.empty() &&
+         std::all_of(change.edits.begin(), change.edits.end(), [&](const Edit& one) {
+           const auto* component = running.architecture.find_component(one.member);
+           const bool other_core =
+               one.core &&
+               (component == nullptr || component->bundle()->core_type.name != one.core->name);
+           return one.mode != Mode::keep && !other_core;
+         });
 }
 
 Edit edit_of(std::string_view member) {

@@ -61,6 +61,11 @@ void say_kept(const Running& running, const Change& change, Json& result);
 [[nodiscard]] bool overtaken_by_stop(const Running& running, const Call& call,
                                      const Change& change);
 
+/// [control] A start or a stop brings nothing that a probation could prove, and a rollback from a
+/// start would only stop the component again. That holds for a start with a fresh core of the same
+/// type too.
+[[nodiscard]] bool changes_modes_only(const Running& running, const Change& change);
+
 /// An edit that names this component or resource, and changes nothing yet.
 [[nodiscard]] Edit edit_of(std::string_view member);
 

@@ -283,9 +283,12 @@ bool confirm_places(Running& running) {
   return any;
 }
 
-std::optional<PlaceTarget> newest_place(const Running& running, std::uint64_t than) {
+std::optional<PlaceTarget> newest_place(const Running& running, std::uint64_t than,
+                                        std::uint64_t generation) {
   MAUVE_ON_THREAD(control);
-  const auto newest = std::ranges::max_element(running.places, {}, &PlaceProbation::generation);
+  const auto newest =
+      generation == 0 ? std::ranges::max_element(running.places, {}, &PlaceProbation::generation)
+                      : std::ranges::find(running.places, generation, &PlaceProbation::generation);
   if (newest == running.places.end() || newest->generation < than) {
     return std::nullopt;
   }

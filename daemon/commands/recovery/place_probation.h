@@ -89,7 +89,8 @@ struct PlaceTarget {
 };
 
 /// [control] The newest one, if it is newer than the generation `than`.
-[[nodiscard]] std::optional<PlaceTarget> newest_place(const Running& running, std::uint64_t than);
+[[nodiscard]] std::optional<PlaceTarget> newest_place(const Running& running, std::uint64_t than,
+                                                      std::uint64_t generation = 0);
 
 /// [control] Begins to put the core before in force again; the log shows `reason`. The log, the
 /// audit log and the history record the end of the rollback, as they do for every probation. The

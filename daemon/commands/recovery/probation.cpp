@@ -116,6 +116,11 @@ struct ChangeOnProbation {
   std::vector<std::string> notes = {};
 };
 
+/// Of `undo`; 0: the newest change.
+std::uint64_t wanted_generation(const Call& call) {
+  return call.params.value("generation", std::uint64_t{0});
+}
+
 Json change_json(const ChangeOnProbation& change) {
   return {{"generations", change.generations}, {"components", change.components}};
 }
@@ -139,16 +144,19 @@ Json on_probation(const Running& running) {
   return all;
 }
 
-/// The one that `undo` takes back; no changes: there is none.
-ChangeOnProbation newest_of(const Running& running) {
+/// The one that `undo` takes back: the one that made this generation, or the newest for 0. No
+/// generations: there is none.
+ChangeOnProbation meant_by(const Running& running, std::uint64_t generation) {
   ChangeOnProbation newest;
   for (const auto& open : running.deployer.probations()) {
-    if (!open.rolls_back) {
+    const bool meant = generation == 0 ||
+                       std::ranges::find(open.generations, generation) != open.generations.end();
+    if (meant && !open.rolls_back) {
       newest = {open.generations, open.components, std::nullopt, open.notes};
     }
   }
   const auto than = newest.generations.empty() ? 0 : newest.generations.back();
-  if (auto place = newest_place(running, than)) {
+  if (auto place = newest_place(running, than, generation)) {
     newest = {{place->generation}, {place->component}, std::move(place)};
     const auto before = newest.place->before.lock();
     const auto* component = running.architecture.find_component(newest.place->component);
@@ -166,6 +174,7 @@ Json undone_json(const Running& running, const ChangeOnProbation& newest) {
                  {"undone", change_json(newest)},
                  {"components", Json::array()}};
   say_notes(newest.notes, result);
+  say_notes(running.supervisor.notes_on(newest.generations), result);
   say_notes(notes_on_files(running, newest.generations), result);
   return result;
 }
@@ -234,7 +243,7 @@ void begin_undo(Running& running, const CallPtr& call, const ChangeOnProbation& 
   if (auto met = check_conditions(running, *call); !met) {
     return answer(running, *call, met.error());
   }
-  const auto newest = newest_of(running);
+  const auto newest = meant_by(running, wanted_generation(*call));
   if (newest.generations != wanted.generations) {
     return answer(running, *call, not_the_newest(wanted, newest));
   }
@@ -250,9 +259,12 @@ void begin_undo(Running& running, const CallPtr& call, const ChangeOnProbation& 
   if (newest.place) {
     return undo_in_place(running, call, *newest.place, std::move(result), text);
   }
-  if (auto begun = running.deployer.undo(text); !begun) {
+  const auto generation = wanted_generation(*call);
+  if (auto begun = running.deployer.undo(text, generation); !begun) {
     auto error = begun.error();
-    error.hint = step_without_undo(running);
+    error.hint = generation == 0 ? step_without_undo(running)
+                                 : "mauvectl status shows the changes on probation, and mauvectl "
+                                   "rollback N goes back to a saved generation";
     return answer(running, *call, std::move(error));
   }
   const auto before = running.deployer.generation();
@@ -346,6 +358,13 @@ void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
     return answer(running, *call, met.error());
   }
   Json confirmed = on_probation(running);
+  if (flag(call->params, "dry_run")) {
+    return answer(running, *call,
+                  Json{{"generation", running.deployer.generation()},
+                       {"changed", false},
+                       {"confirmed", std::move(confirmed)},
+                       {"dry_run", true}});
+  }
   const bool done = running.deployer.confirm().has_value();
   const bool places = confirm_places(running);
   const bool new_code = confirm_unproven(running);
@@ -363,7 +382,7 @@ void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
 // The undo of a swap in place is a change, so it waits for the end of the change under way. That
 // change may have its answer already, while [factory] frees the elements that it retired.
 void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
-  auto wanted = newest_of(running);
+  auto wanted = meant_by(running, wanted_generation(*call));
   if (!wanted.place || !running.control.busy()) {
     return begin_undo(running, call, wanted);
   }

@@ -171,11 +171,12 @@ Status Commit::check_probations(TwoPhaseCommit::Kind kind) {
   receipt_.notes = notes_of(system_, *content_);
   for (const auto& one : system_.probations) {
     if (one->reported() || !concerns(system_, *content_, one->content())) continue;
-    if (one->awaits_confirmation()) {
+    if (one->awaits_confirmation() && !changes_modes_only(*content_)) {
       return refuse({Errc::conflict, "waits_for_confirmation"},
                     "generation " + std::to_string(one->generations().back()),
                     "waits to be confirmed, so nothing of it is changed meanwhile",
-                    "confirm it, or undo it");
+                    "mauvectl undo " + std::to_string(one->generations().back()) +
+                        " rolls it back; mauvectl confirm keeps all changes on probation");
     }
     if (one->rollback()->rolls_back()) return being_rolled_back(one->generations().back());
     if (changes_modes_only(*content_)) continue;

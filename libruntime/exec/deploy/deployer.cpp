@@ -193,15 +193,18 @@ Status Deployer::confirm() {
                     " is off probation, so there is nothing to confirm");
 }
 
-Status Deployer::undo(const std::string& reason) {
+Status Deployer::undo(const std::string& reason, std::uint64_t generation) {
   exec::advance(*system_);
   const auto& all = system_->probations;
-  const auto newest = std::find_if(all.rbegin(), all.rend(), [&reason](const auto& one) {
-    return one->open() && one->undo(reason);
+  const auto undone = std::find_if(all.rbegin(), all.rend(), [&](const auto& one) {
+    const auto& made = one->generations();
+    const bool meant =
+        generation == 0 || std::find(made.begin(), made.end(), generation) != made.end();
+    return meant && one->open() && one->undo(reason);
   });
-  if (newest != all.rend()) return ok();
+  if (undone != all.rend()) return ok();
   return refuse({Errc::wrong_state, "nothing_to_undo"}, {},
-                "generation " + std::to_string(generation()) +
+                "generation " + std::to_string(generation == 0 ? this->generation() : generation) +
                     " is off probation, so there is nothing to undo",
                 "roll back to a saved generation");
 }

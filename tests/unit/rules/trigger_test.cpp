@@ -81,6 +81,19 @@ TEST(Trigger, FiresAsSoonAsItMayWhenItWasHeld) {
   EXPECT_TRUE(watch.after(10ms, Truth::yes, Truth::no));
 }
 
+TEST(Trigger, FiresAgainWhenItsEffectWasUndoneAndCountsBoth) {
+  Watch watch{Trigger({0s, 10ms, 2})};
+  ASSERT_TRUE(watch.after(0s, Truth::yes, Truth::no));
+
+  watch.trigger.fire_again();
+
+  EXPECT_FALSE(watch.after(990ms, Truth::yes, Truth::no)) << "not at once";
+  EXPECT_TRUE(watch.after(10ms, Truth::yes, Truth::no));
+  watch.trigger.fire_again();
+  EXPECT_FALSE(watch.after(10s, Truth::yes, Truth::no)) << "twice in this hour";
+  EXPECT_EQ(watch.trigger.state(), State::limited);
+}
+
 TEST(Trigger, TriesAgainWhenNothingCameOfIt) {
   Watch watch{Trigger({0s, 10ms, 1})};
   EXPECT_TRUE(watch.after(0s, Truth::yes, Truth::no));

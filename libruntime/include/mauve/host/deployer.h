@@ -99,9 +99,9 @@ class Deployer {
 
   /// All changes on probation are good: their old bundles may go. Refused when there is none.
   Status confirm();
-  /// Back to before the newest change on probation, and those it joined, at the next releases of
-  /// all their members. tend() reports the end.
-  Status undo(const std::string& reason = "undone by request");
+  /// Back to before a change on probation, and those it joined, at the next releases of all their
+  /// members. tend() reports the end. `generation`: one that the change made; 0: the newest change.
+  Status undo(const std::string& reason = "undone by request", std::uint64_t generation = 0);
   [[nodiscard]] bool on_probation() const;  ///< some change is
   /// A rollback was triggered, but some member is not back yet.
   [[nodiscard]] bool going_back() const;

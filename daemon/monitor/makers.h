@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Makers: the generations that rules and components made. An undo names them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mauve::daemon {
+
+/// [control] Remembers the newest kMost generations.
+class Makers {
+ public:
+  struct Maker {
+    std::string by;                   ///< "by rule gnss_lost", "requested by pilot"
+    std::optional<std::size_t> rule;  ///< the rule, of the supervision with this number:
+    std::uint64_t adoption = 0;
+  };
+  static constexpr std::size_t kMost = 1024;
+
+  void remember(std::uint64_t generation, Maker maker);
+  /// These generations were rolled back. Returns the rules of this supervision that made some.
+  std::vector<std::size_t> forget(const std::vector<std::uint64_t>& generations,
+                                  std::uint64_t adoption);
+  /// "generation 3 was made by rule too_hot, which fires again while its condition holds".
+  [[nodiscard]] std::vector<std::string> notes_on(const std::vector<std::uint64_t>& generations,
+                                                  std::uint64_t adoption) const;
+
+ private:
+  std::map<std::uint64_t, Maker> makers_;  // by generation
+};
+
+}  // namespace mauve::daemon

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// A transaction that a rule or a component began takes effect.
+#pragma once
+
+#include "commands/command.h"
+#include "rules/supervision.h"
+
+namespace mauve::daemon {
+
+/// [control] Makes the change of these steps. A change of the same components that waits for its
+/// confirmation gives way: it is rolled back first, since nobody may be there to confirm it.
+void begin_transaction(Running& running, const CallPtr& call, const rules::Steps& steps,
+                       Ticket ticket);
+
+}  // namespace mauve::daemon

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Rules beside changes that wait for a confirmation, and an undo of their actions.
+#include "rules_daemon.h"
+
+namespace mauve::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kCapped =
+    R"({ "name": "capped", "when": "first.core.gain > 5", "do": "calm", "cool_down": "1ms" })";
+
+TEST(Rules, OutrankAChangeThatWaitsForItsConfirmation) {
+  RulesDaemon daemon(supervised(kCapped));
+
+  daemon.ask("param.set", {{"values", {{"first.core.gain", 6.0}}}, {"confirm_within", "600s"}});
+
+  ASSERT_TRUE(daemon.fired("capped", 1)) << daemon.rule("capped");
+  EXPECT_THAT(daemon.answer("capped"), HasSubstr("applied, generation 4"));
+  EXPECT_EQ(daemon.ask("param.get", {{"address", "first.core.gain"}})["value"], 1.0);
+  EXPECT_EQ(daemon.events("rolled_back", "not confirmed before calm was carried out"), 1U);
+}
+
+TEST(Rules, FireAgainWhenTheirActionIsUndone) {
+  RulesDaemon daemon(supervised(kCapped));
+  daemon.ask("param.set", {{"values", {{"first.core.gain", 6.0}}}, {"probation", "off"}});
+  ASSERT_TRUE(daemon.fired("capped", 1)) << daemon.rule("capped");
+
+  const auto plan = daemon.ask("change.undo", {{"dry_run", true}});
+  const auto undone = daemon.ask("change.undo");
+
+  for (const Json& answer : {plan, undone}) {
+    EXPECT_THAT(answer["notes"].dump(), HasSubstr("generation 3 was made by rule capped, which "
+                                                  "fires again while its condition holds"));
+  }
+  EXPECT_TRUE(daemon.fired("capped", 2)) << daemon.rule("capped");
+  EXPECT_EQ(daemon.ask("param.get", {{"address", "first.core.gain"}})["value"], 1.0);
+}
+
+}  // namespace
+}  // namespace mauve::test
