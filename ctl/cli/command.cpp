@@ -115,7 +115,8 @@ constexpr Command kCommands[] = {
      "Return to a saved generation. A generation has no code: the plugins stay in the builds that "
      "run",
      "mauvectl rollback 41", kRollback, true, run_rollback},
-    {"lock", "Lock parameters, the topology or all; a stop and confirm stay possible",
+    {"lock", "Lock parameters, the topology or all, also against rules, until lock none or the end of mauved; "
+     "a stop and confirm stay possible",
      "mauvectl lock all --reason mission", kLock, true, run_lock},
     {"logs", "Print the last events", "mauvectl logs -f gnss --level warn", kLogs, false, run_logs},
     {"explain", "Explain a message: an event, a refusal, a failure; or a name of a plugin",

@@ -150,6 +150,9 @@ std::string render_receipt(std::string_view done, const Json& receipt, Look look
   text += ")";
   if (const auto held = whole_number(receipt, "rules_held"); held > 0) {
     text += ", " + counted(held, "rule") + (held == 1 ? " is held" : " are held");
+    std::string names;
+    for (const Json& rule : member(receipt, "held_rules")) join(names, harmless(compact(rule)));
+    if (!names.empty()) text += ": " + names;
   }
   text = wrapped(text, look.width, 2) + "\n";
   text += already + defaults(receipt, look) + gone(receipt, look) + kept(receipt, look) +

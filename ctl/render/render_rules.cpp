@@ -40,16 +40,23 @@ std::string render_rules(const Json& result, Look look) {
                {"ANSWER"},
                {"WHY NOT"}});
   for (const Json& rule : items) {
-    const std::string state = word(rule, "state");
+    std::string state = word(rule, "state");
+    std::string why_not = word(rule, "why_not");
     const std::string answer = word(rule, "answer");
     const bool bad = answer.starts_with("refused") || answer.starts_with("unsafe");
+    Paint paint = paint_of_rule(state);
+    if (const auto held = word(rule, "held"); !held.empty() && state != "held") {
+      state += ", held";
+      if (paint == Paint::plain) paint = Paint::yellow;
+      why_not = why_not.empty() ? held : held + "; " + why_not;
+    }
     table.add({{word(rule, "name")},
-               {state, paint_of_rule(state)},
+               {state, paint},
                {condition_of(rule)},
                {word(rule, "fired")},
                {last_of(rule)},
                {answer, bad ? Paint::red : Paint::plain},
-               {word(rule, "why_not")}});
+               {why_not}});
   }
   return table.text(look.width, look.colour);
 }

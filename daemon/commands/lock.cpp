@@ -164,6 +164,19 @@ std::string_view held_by(Lock lock, const rules::Steps& steps) {
   return other ? "topology is locked" : "";
 }
 
+std::map<std::string, std::string_view> held_rules(const Running& running) {
+  MAUVE_ON_THREAD(control);
+  const auto& supervision = running.supervisor.supervision();
+  std::map<std::string, std::string_view> held;
+  for (const auto& rule : supervision.rules) {
+    const auto& steps = rule.transaction.empty() ? rule.steps : *supervision.find(rule.transaction);
+    if (const auto why = held_by(running.lock, steps); !why.empty()) {
+      held.emplace(rule.name, why);
+    }
+  }
+  return held;
+}
+
 void set_lock(Running& running, const CallPtr& call, Ticket /*none: it waits for no change*/) {
   const auto word = text_or(call->params, "lock");
   const auto* found = std::find(kLocks.begin(), kLocks.end(), word);
@@ -179,10 +192,15 @@ void set_lock(Running& running, const CallPtr& call, Ticket /*none: it waits for
   const auto lock = static_cast<Lock>(found - kLocks.begin());
   const bool changed = running.lock != lock;
   running.lock = lock;
+  Json held = Json::array();
+  for (const auto& [rule, why] : held_rules(running)) {
+    held.push_back(rule);
+  }
   answer(running, *call,
          Json{{"lock", word},
               {"changed", changed},
-              {"rules_held", running.supervisor.held()},
+              {"rules_held", held.size()},
+              {"held_rules", held},
               {"state", "applied"},
               {"generation", running.generation.load()}});
 }

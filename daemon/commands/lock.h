@@ -3,6 +3,8 @@
 /// docs/maintaining/changes.md lists the other reasons to refuse a change.
 #pragma once
 
+#include <map>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -52,5 +54,8 @@ enum class Kind : std::uint8_t {
 
 /// Why the lock keeps a rule with these steps from firing; empty: it does not.
 [[nodiscard]] std::string_view held_by(Lock lock, const rules::Steps& steps);
+
+/// [control] The names of the rules that the lock keeps from firing, each with held_by().
+[[nodiscard]] std::map<std::string, std::string_view> held_rules(const Running& running);
 
 }  // namespace mauve::daemon

@@ -167,16 +167,6 @@ const rules::Steps& Supervisor::steps_of(const rules::Rule& rule) const {
   return rule.transaction.empty() ? rule.steps : *supervision_.find(rule.transaction);
 }
 
-std::size_t Supervisor::held() const {
-  MAUVE_ON_THREAD(control);
-  if (running_ == nullptr) {
-    return 0;
-  }
-  return static_cast<std::size_t>(std::ranges::count_if(engine_.rules(), [this](const auto& rule) {
-    return !held_by(running_->lock, steps_of(rule)).empty();
-  }));
-}
-
 rules::Read Supervisor::reader() const {
   return [this](const std::string& address) -> Result<Value> {
     const auto quantity = arch::find_quantity(running_->architecture, address);

@@ -52,8 +52,6 @@ class Supervisor {
   [[nodiscard]] const rules::Supervision& supervision() const { return supervision_; }
   /// How often adopt() replaced the rules. [control]
   [[nodiscard]] std::uint64_t adoptions() const { return adoptions_; }
-  /// How many rules the lock keeps from firing. [control]
-  [[nodiscard]] std::size_t held() const;
   /// The unknown values that rules look at, with the consequences. [control]
   [[nodiscard]] Json lost_values() const;
   /// One row a rule, of one rule only when it is named. [control]

@@ -135,6 +135,13 @@ TEST(LocksAndRules, HoldARuleByTheDifferencesOfItsSteps) {
   EXPECT_EQ(held("params"), 1) << "the rule that sets";
   EXPECT_EQ(held("topology"), 3) << "those that swap, connect and disconnect";
   EXPECT_EQ(held("all"), 5) << "all but the rule that stops";
+  const auto answer = daemon.ask("lock.set", {{"lock", "params"}});
+  ASSERT_EQ(answer["held_rules"].size(), 1U) << answer;
+  const auto rules = daemon.ask("rules.list")["items"];
+  for (const auto& rule : rules) {
+    const bool named = rule["name"] == answer["held_rules"].front();
+    EXPECT_EQ(rule["held"], named ? "params are locked" : "") << rule;
+  }
 }
 
 TEST(LocksAndRules, LetARuleStopAComponentUnderEveryLock) {

@@ -26,11 +26,11 @@ TEST(RenderReceipt, DoesNotBlameTheChangeForReleasesThatOrdinaryThreadsMissed) {
             "machine delays too: mauvectl doctor (generation 2)\n");
 }
 
-TEST(RenderReceipt, SaysHowManyRulesAreHeld) {
+TEST(RenderReceipt, NamesTheRulesThatAreHeld) {
   EXPECT_EQ(render_receipt("locked all", Json::parse(R"({"generation":2,"changed":true,
-    "rules_held":2})"),
+    "rules_held":2,"held_rules":["gnss_lost","slow"]})"),
                            {}),
-            "locked all (generation 2), 2 rules are held\n");
+            "locked all (generation 2), 2 rules are held: gnss_lost, slow\n");
 }
 
 TEST(RenderReceipt, SaysWhatTheNewCoreHasByDefault) {

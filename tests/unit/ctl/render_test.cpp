@@ -360,5 +360,14 @@ TEST(Render, ShowsRulesWithTheirValuesAndWhyTheyDoNotFire) {
   EXPECT_EQ(one.find("slow"), std::string::npos) << one;
 }
 
+TEST(Render, MarksARuleThatALockHolds) {
+  const std::string text = render_rules(Json::parse(R"({"items":[{"name":"slow","state":"armed",
+    "when":"a.late > 1s","values":[],"fired":0,"answer":"","why_not":"condition is false",
+    "held":"everything is locked"}]})"),
+                                        {});
+  EXPECT_NE(text.find("armed, held"), std::string::npos) << text;
+  EXPECT_NE(text.find("everything is locked; condition is false"), std::string::npos) << text;
+}
+
 }  // namespace
 }  // namespace mauve::ctl
