@@ -79,6 +79,8 @@ void StateStore::begin(const Generation& first, const Value& architecture,
     const bool by_itself = one.command.find('.') == std::string::npos;  // methods have one
     if (last_run_.crashed() && by_itself && one.mark == Confirmation::unconfirmed) {
       generations_->remove(one.number);  // else a crash loop would push out the others
+      log_.write(Event::generation_removed,
+                 {{"generation", static_cast<std::int64_t>(one.number)}});
     }
   }
   if (save(first, architecture)) {

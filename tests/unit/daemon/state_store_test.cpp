@@ -214,6 +214,12 @@ TEST_F(StateStoreTest, DropsWhatEarlierRecoveriesDidNotConfirm) {
   ASSERT_EQ(all.size(), 2U);
   EXPECT_EQ(all[0].number, 3U);
   EXPECT_EQ(all[1].number, 1U);
+  log.flush();
+  const auto records = log.history().tail(100, {});
+  const auto removed =
+      std::ranges::find(records, logging::Event::generation_removed, &logging::Record::event);
+  ASSERT_NE(removed, records.end()) << "the log names the generation";
+  EXPECT_TRUE(removed->text.starts_with("generation 2, ")) << removed->text;
 }
 
 TEST_F(StateStoreTest, PutsAFileAsideThatLiesWhereTheGenerationsBelong) {
