@@ -16,6 +16,8 @@
 #include <optional>
 #include <utility>
 
+#include "protocol/socket_path.h"
+
 namespace mauve::server {
 
 namespace {
@@ -149,8 +151,7 @@ Status Endpoint::take_lock() {
   for (int attempt = 0; attempt < 16; ++attempt) {
     lock_ = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (lock_ < 0) {
-      return system_error(name, "cannot open the lock of the socket",
-                          "the directory must be writable, or choose another with --socket");
+      return system_error(name, "cannot open the lock of the socket", protocol::kUseOwnSocket);
     }
     const bool locked = flock(lock_, LOCK_EX | LOCK_NB) == 0;
     const bool held = !locked && errno == EWOULDBLOCK;
@@ -161,7 +162,7 @@ Status Endpoint::take_lock() {
     if (held) {
       return refuse({Errc::conflict, "socket_in_use"}, path_.string(),
                     "another mauved serves this socket",
-                    "stop it first, or choose another socket with --socket");
+                    std::string("stop it first, or ") + protocol::kUseOwnSocket);
     }
   }
   return refuse({Errc::conflict, "socket_in_use"}, path_.string(),
@@ -190,7 +191,7 @@ Status Endpoint::clear_dead_socket() const {
   if (rc == 0 || why != ECONNREFUSED) {
     return refuse({Errc::conflict, "socket_in_use"}, path_.string(),
                   "somebody else listens at this socket",
-                  "stop it first, or choose another socket with --socket");
+                  std::string("stop it first, or ") + protocol::kUseOwnSocket);
   }
   return unlink(path_.c_str()) == 0 || errno == ENOENT
              ? ok()

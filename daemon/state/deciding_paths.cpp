@@ -6,12 +6,18 @@
 #include <system_error>
 
 #include "plugin/load/trust.h"
+#include "protocol/socket_path.h"
 
 namespace mauve::daemon {
 
 namespace {
 
 constexpr std::string_view kState = "state directory";
+constexpr std::string_view kSocket = "socket directory";
+
+std::string folder_of_service() {
+  return std::filesystem::path(protocol::kServiceSocket).parent_path().string();
+}
 
 std::string whole(const std::string& path) {
   std::error_code failed;
@@ -33,7 +39,7 @@ std::string relation(const std::string& blamed, const DecidingPath& deciding) {
 std::vector<DecidingPath> deciding_paths(const Options& options) {
   std::vector<DecidingPath> paths{
       {"architecture file", whole(options.architecture)},
-      {"socket directory", std::filesystem::path(whole(options.socket)).parent_path().string()}};
+      {std::string(kSocket), std::filesystem::path(whole(options.socket)).parent_path().string()}};
   if (!options.state_dir.empty()) {
     paths.push_back({std::string(kState), whole(options.state_dir)});
   }
@@ -52,7 +58,12 @@ std::optional<Error> distrust_of(const DecidingPath& deciding) {
   Error error = trusted.error();
   error.code = Errc::not_permitted;
   error.id = "path_not_trusted";
-  error.message += " (" + relation(error.at, deciding) + ")";
+  const bool taken = deciding.what == kSocket && trusted.error().id == "path_owned_by_other";
+  if (taken) {
+    error.hint = protocol::kUseOwnSocket;
+  }
+  const bool services = deciding.path == folder_of_service() && error.at == deciding.path;
+  error.message += " (" + relation(error.at, deciding) + (services ? " of the service)" : ")");
   return error;
 }
 
