@@ -109,19 +109,27 @@ int check_file(const Options& options) {
               << logging::printable(options.architecture) << "\n";
     return 1;
   }
-  std::cout << logging::printable(options.architecture) << ": no errors\n";
-  if (architecture != nullptr && !architecture->components().empty()) {
-    const auto timing = exec::analyze(*architecture, options.machine);
-    print(timing);
-    auto notes = Wiring(*architecture).notes();
-    std::ranges::copy(arch::notes_on(supervision, *architecture), std::back_inserter(notes));
-    for (const auto& note : notes) {
-      std::cout << "note: " << logging::printable(to_string(note)) << "\n";
-    }
-    if (options.admission == Admission::strict && !timing.problems.empty()) {
-      std::cerr << "not admitted: " << logging::printable(timing.problems.front()) << "\n";
-      return 1;
-    }
+  const std::string good = logging::printable(options.architecture) + ": no errors";
+  if (architecture == nullptr || architecture->components().empty()) {
+    std::cout << good << "\n";
+    return 0;
+  }
+  const auto timing = exec::analyze(*architecture, options.machine);
+  auto notes = Wiring(*architecture).notes();
+  std::ranges::copy(arch::notes_on(supervision, *architecture), std::back_inserter(notes));
+  std::cout << good;
+  if (!notes.empty()) {
+    std::cout << ", " << notes.size() << (notes.size() == 1 ? " note" : " notes")
+              << " on connections and rules";
+  }
+  std::cout << "\n";
+  print(timing);
+  for (const auto& note : notes) {
+    std::cout << "note: " << logging::printable(to_string(note)) << "\n";
+  }
+  if (options.admission == Admission::strict && !timing.problems.empty()) {
+    std::cerr << "not admitted: " << logging::printable(timing.problems.front()) << "\n";
+    return 1;
   }
   return 0;
 }

@@ -22,7 +22,7 @@ std::optional<std::string> without_connection(const PortBase& port) {
     case Need::optional:
       return std::nullopt;
     case Need::required:
-      return "is not connected, and its component requires it";
+      return "is not connected, but its component expects a connection";
     case Need::usual:
       break;
   }

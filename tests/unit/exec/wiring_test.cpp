@@ -178,10 +178,10 @@ TEST(Notes, NameOutputsAndRequiredPortsWithoutConnectionAndNoOptionalOnes) {
 
   EXPECT_THAT(
       notes_of(robot),
-      ElementsAre("human.ports.map is not connected, and its component requires it",
+      ElementsAre("human.ports.map is not connected, but its component expects a connection",
                   "machine.ports.speed is not connected: its values, and its safe value, reach "
                   "nothing",
-                  "machine.ports.map is not connected, and its component requires it"));
+                  "machine.ports.map is not connected, but its component expects a connection"));
 }
 
 TEST_F(ExclusiveOutputAtRunTime, WithoutAnyWriterIsNotedUnlessItIsOptional) {
