@@ -32,10 +32,10 @@ std::string state_line(const Running& running) {
     run += one.state == ComponentState::running ? 1 : 0;
   }
   const bool on_probation = running.deployer.on_probation() || !running.places.empty();
-  return running.architecture.name() + " is running: " + std::to_string(run) + " of " +
-         counted(all.size(), "component") + ", generation " + std::to_string(running.generation) +
-         (on_probation ? " on probation" : "") + ", " + std::to_string(missed) + " missed, " +
-         std::to_string(overruns) + " overruns" +
+  return running.architecture.name() + ": " + std::to_string(run) + " of " +
+         counted(all.size(), "component") + (all.size() == 1 ? " runs" : " run") + ", generation " +
+         std::to_string(running.generation) + (on_probation ? " on probation" : "") + ", " +
+         std::to_string(missed) + " missed, " + std::to_string(overruns) + " overruns" +
          (running.deployer.realtime() ? "" : ", NOT real time");
 }
 

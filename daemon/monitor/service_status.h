@@ -9,7 +9,7 @@
 
 namespace mauve::daemon {
 
-/// "yard is running: 12 of 12 components, ...", in one line. [control], or [main] before that runs
+/// "yard: 12 of 12 components run, ...", in one line. [control], or [main] before that runs
 [[nodiscard]] std::string state_line(const Running& running);
 
 /// Waits for a signal, and returns its name. Meanwhile it keeps the line of the service manager

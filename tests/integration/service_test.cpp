@@ -18,7 +18,7 @@ TEST(Service, IsReadyWhenClientsAreServedAndSaysWhenItStops) {
 
   const auto ready = manager.next();
   EXPECT_THAT(ready, HasSubstr("READY=1"));
-  EXPECT_THAT(ready, HasSubstr("STATUS=trial is running: 2 of 2 components, generation 1, "));
+  EXPECT_THAT(ready, HasSubstr("STATUS=trial: 2 of 2 components run, generation 1, "));
   EXPECT_TRUE(RawClient(daemon.socket()).connected());
 
   const Json tried = {{"values", {{"first.core.gain", 3.0}}}, {"confirm_within", "600s"}};
