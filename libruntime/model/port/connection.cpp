@@ -32,11 +32,6 @@ Result<PortBase*> find_port(const Shell& shell, std::string_view name) {
 
 Status check_connection(const PortBase& port, const Binding* present, const ServiceBase& service,
                         Duration max_age) {
-  if (present != nullptr) {
-    return refuse({Errc::duplicate, "port_connected"}, port.address(),
-                  "is connected to " + present->service().address() + " already",
-                  "disconnect it first");
-  }
   if (!(port.signature() == service.signature())) {
     const bool same_name = port.signature().kind == service.signature().kind &&
                            port.signature().types == service.signature().types;
@@ -44,7 +39,14 @@ Status check_connection(const PortBase& port, const Binding* present, const Serv
                   "is a " + to_string(port.signature()) + " port, but " + service.address() +
                       " is a " + to_string(service.signature()) + " service" +
                       (same_name ? " with another layout" : ""),
-                  same_name ? "rebuild both plugins with the same headers" : "");
+                  same_name ? "rebuild all plugins that use the type with the same header; a type "
+                              "whose layout was changed gets the next revision in its type_name"
+                            : "");
+  }
+  if (present != nullptr) {
+    return refuse({Errc::duplicate, "port_connected"}, port.address(),
+                  "is connected to " + present->service().address() + " already",
+                  "disconnect it first");
   }
   if (max_age < Duration{0} || (max_age > Duration{0} && port.signature().kind != PortKind::read)) {
     return refuse({Errc::invalid_value, "max_age_invalid"}, port.address(),

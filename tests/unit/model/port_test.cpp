@@ -193,6 +193,8 @@ TEST(Port, IsRefusedAServiceOfAnotherTypeOrKind) {
             "is a read double port, but meter.write is a write double service");
   EXPECT_EQ(type.error().code, Errc::type_mismatch);
   EXPECT_EQ(twice.error().message, "is connected to data.read already");
+  EXPECT_EQ(shell.in.connect(bench.large.read_service()).error().code, Errc::type_mismatch)
+      << "a type that does not fit is the first reason";
 }
 
 TEST(Port, ReportsARefusedConnectionThatNobodyLookedAtWhenItIsConfigured) {
