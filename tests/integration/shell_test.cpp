@@ -110,6 +110,13 @@ TEST(ConnectReplace, ExchangesTheConnectionInOneChange) {
   EXPECT_THAT(errors_of(daemon), HasSubstr("is connected to signal.write already"));
   EXPECT_THAT(errors_of(daemon), HasSubstr("--replace"));
 
+  const auto same = daemon.ctl({"connect", "first.ports.output", "signal.write"});
+  EXPECT_EQ(same.exit, 0) << errors_of(daemon);
+  EXPECT_THAT(same.out, HasSubstr("nothing to change"));
+  EXPECT_EQ(generation(daemon), before);
+  EXPECT_EQ(daemon.ctl({"connect", "first.ports.output", "signal.read"}).exit, 1);
+  EXPECT_THAT(errors_of(daemon), HasSubstr("is a read double service"));
+
   const auto said = daemon.ctl({"connect", "--replace", "first.ports.output", "spare.write"});
 
   EXPECT_EQ(said.exit, 0) << errors_of(daemon);

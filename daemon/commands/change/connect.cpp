@@ -5,6 +5,7 @@
 #include "commands/change/change.h"
 #include "commands/model.h"
 #include "mauve/service.h"
+#include "model/port/connection.h"
 
 namespace mauve::daemon {
 
@@ -25,24 +26,35 @@ Result<Edit> edit_of_port(const Running& running, const Json& params, std::strin
   return edit_of(parts->first);
 }
 
-/// A connected port gives its connection up for the new one only when that was asked for.
-Status replace_connection(const Running& running, const Json& params, const std::string& port,
-                          Edit& edit) {
+/// Adds the connection, if it is not there already. A connected port gives its connection up for
+/// the new one only when that was asked for.
+Status add_connection(const Running& running, const Json& params, const std::string& port,
+                      Duration max_age, Edit& edit) {
   const auto address = text_or(params, "port");
+  const auto name = text_or(params, "service");
   const auto target = find_target(running, address);
   if (!target) {
     return target.error();
   }
   const auto* present = connection(target->element, *target->port);
-  if (present == nullptr) {
-    return ok();
+  if (present != nullptr) {
+    const auto service = running.architecture.find_service(name);
+    if (service && &present->service() == *service && present->max_age() == max_age) {
+      return ok();
+    }
+    if (service) {
+      if (auto fits = check_connection(*target->port, nullptr, **service, max_age); !fits) {
+        return fits;
+      }
+    }
+    if (!flag(params, "replace")) {
+      return refuse({Errc::duplicate, "port_connected"}, address,
+                    "is connected to " + present->service().address() + " already",
+                    "mauvectl connect --replace exchanges the connection at one instant");
+    }
+    edit.disconnect.push_back(port);
   }
-  if (!flag(params, "replace")) {
-    return refuse({Errc::duplicate, "port_connected"}, address,
-                  "is connected to " + present->service().address() + " already",
-                  "mauvectl connect --replace exchanges the connection at one instant");
-  }
-  edit.disconnect.push_back(port);
+  edit.connect.push_back({port, name, max_age});
   return ok();
 }
 
@@ -74,10 +86,12 @@ void connect(Running& running, const CallPtr& call, Ticket ticket) {
   if (!max_age) {
     return answer(running, *call, max_age.error());
   }
-  if (auto allowed = replace_connection(running, call->params, port, *edit); !allowed) {
-    return answer(running, *call, allowed.error());
+  if (auto added = add_connection(running, call->params, port, *max_age, *edit); !added) {
+    return answer(running, *call, added.error());
   }
-  edit->connect.push_back({port, text_or(call->params, "service"), *max_age});
+  if (edit->connect.empty()) {
+    return answer(running, *call, to_json(Receipt{running.generation, {}, {}, 0, {}}));
+  }
   apply(running, call, std::move(ticket), {{*std::move(edit)}});
 }
 
