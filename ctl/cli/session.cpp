@@ -62,7 +62,13 @@ std::variant<Json, Fault> file_params(const Session& session, std::string_view a
   }
   auto stream = open_to_read(file);
   if (!stream) return bad_file(stream.error());
-  return Json{{"text", std::string{std::istreambuf_iterator<char>(*stream), {}}}, {"file", file}};
+  std::string text{std::istreambuf_iterator<char>(*stream), {}};
+  if (text.find('\0') != std::string::npos) {
+    return bad_file(refuse({Errc::invalid_value, "json_syntax"}, file,
+                           "this is no JSON file: it holds bytes that no text has",
+                           "name a file such as architecture.json"));
+  }
+  return Json{{"text", std::move(text)}, {"file", file}};
 }
 
 Session::Session(const Command& asked_command, Arguments asked_arguments, Globals asked_globals,

@@ -259,6 +259,9 @@ TEST(Check, EndsWith1WhenThereAreErrors) {
 TEST(Check, RefusesAFileThatCannotBeRead) {
   EXPECT_EQ(run("/nowhere", {"check", "/nowhere/x.json"}).exit, 2);
   EXPECT_EQ(run("/nowhere", {"check", "/tmp"}).exit, 2);
+  const Outcome program = run("/nowhere", {"check", "/bin/true"});
+  EXPECT_EQ(program.exit, 2);
+  EXPECT_NE(program.err.find("this is no JSON file"), std::string::npos) << program.err;
 }
 
 TEST(Errors, AreJsonOnStandardOutputWhereAsked) {
