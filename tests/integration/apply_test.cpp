@@ -60,6 +60,16 @@ class Apply : public testing::Test {
   TrialDaemon daemon_;
 };
 
+TEST_F(Apply, NotesThatItStartsAStoppedComponent) {
+  ASSERT_EQ(daemon_.ask("component.stop", {{"components", {"second"}}})["state"], "applied");
+
+  const auto plan = ctl("plan", kTrial);
+  EXPECT_THAT(plan.out, HasSubstr("note: second will start: it was stopped"));
+  const auto applied = daemon_.ask("architecture.apply", {{"text", kTrial}});
+  EXPECT_THAT(applied["notes"].dump(), HasSubstr("second starts: it was stopped"));
+  EXPECT_EQ(daemon_.component("second")["state"], "running");
+}
+
 TEST_F(Apply, ChangesNothingForTheFileThatRuns) {
   const auto diff = ctl("diff", kTrial);
   EXPECT_EQ(diff.exit, 0);

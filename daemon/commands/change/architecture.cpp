@@ -145,7 +145,9 @@ class Application final : public ChangeHooks {
     if (dry_run_) {
       result["dry_run"] = true;
     }
-    say_notes(notes_on_builds(), result);
+    auto notes = notes_on_builds();
+    std::ranges::move(notes_on_starts(), std::back_inserter(notes));
+    say_notes(notes, result);
   }
   [[nodiscard]] std::optional<std::vector<arch::Line>> lines() const override {
     return all_lines();
@@ -161,6 +163,19 @@ class Application final : public ChangeHooks {
                       short_build(one.recorded) + " of " + one.plugin + ", and build " +
                       short_build(one.runs) + " runs: a rollback brings no code back; " +
                       remedy_of(one));
+    }
+    return notes;
+  }
+  /// The file starts a component that a user may have stopped for a reason.
+  [[nodiscard]] std::vector<std::string> notes_on_starts() const {
+    std::vector<std::string> notes;
+    for (const auto& line : difference_.lines) {
+      if (line.kind == "start" && line.before == Value(false) && line.after == Value(true)) {
+        notes.push_back(line.address.substr(0, line.address.find('.')) + " " +
+                        (dry_run_ ? "will start" : "starts") + ": it was stopped, and " +
+                        (saved_ ? "generation " + std::to_string(saved_->number) : "the file") +
+                        " has it running");
+      }
     }
     return notes;
   }
