@@ -115,11 +115,14 @@ constexpr Command kCommands[] = {
      "Return to a saved generation. A generation has no code: the plugins stay in the builds that "
      "run",
      "mauvectl rollback 41", kRollback, true, run_rollback},
-    {"lock", "Lock parameters, the topology or all, also against rules, until lock none or the end of mauved; "
+    {"lock",
+     "Lock parameters, the topology or all, also against rules, until lock none or the end of "
+     "mauved; "
      "a stop and confirm stay possible",
      "mauvectl lock all --reason mission", kLock, true, run_lock},
     {"logs", "Print the last events", "mauvectl logs -f gnss --level warn", kLogs, false, run_logs},
-    {"explain", "Explain a message: an event, a refusal, a failure; or a name of a plugin",
+    {"explain",
+     "Explain a message (an event, a refusal, a failure), a plugin, or a name that a plugin brings",
      "mauvectl explain rule_fired", kExplain, false, run_explain},
     {"trace", "Record what every thread does when, and read flight recordings",
      "mauvectl trace dump -o now.mtrace", kTrace, false, run_trace},

@@ -134,6 +134,14 @@ constexpr std::pair<const char*, std::string_view> kBrought[] = {{"cores", "a co
 Json brought_as(const Json& plugins, const std::string& name, std::vector<std::string>& known) {
   Json found;
   for (const Json& plugin : list_in(plugins, "items")) {
+    known.push_back(word(plugin, "name"));
+    if (known.back() == name) {
+      found = {{"name", name},
+               {"is", "a plugin"},
+               {"plugin", name},
+               {"version", word(plugin, "version")},
+               {"file", word(plugin, "file")}};
+    }
     for (const auto& [group, what] : kBrought) {
       for (const Json& one : list_in(plugin, group)) {
         known.push_back(compact(one));
@@ -149,15 +157,20 @@ Json brought_as(const Json& plugins, const std::string& name, std::vector<std::s
   return found;
 }
 
+/// "a core of plugin guidance 1.0".
+std::string is_of(const Json& found) {
+  const bool itself = word(found, "plugin") == word(found, "name");
+  return word(found, "is") + (itself ? ", version " : " of plugin " + word(found, "plugin") + " ") +
+         word(found, "version");
+}
+
 int explain_brought(Session& session, const std::string& name) {
   std::vector<std::string> known = message_names();
   std::string list = "mauvectl explain lists all messages";
   const auto answer = session.call("plugin.list", Json::object());
   if (const auto* plugins = std::get_if<Json>(&answer)) {
     if (const Json found = brought_as(*plugins, name, known); !found.is_null()) {
-      const std::string plugin = word(found, "plugin") + " " + word(found, "version");
-      session.print(found, bold(name, session) + "\n" +
-                               part("is", word(found, "is") + " of plugin " + plugin, session) +
+      session.print(found, bold(name, session) + "\n" + part("is", is_of(found), session) +
                                part("file", word(found, "file"), session));
       return 0;
     }
@@ -166,9 +179,10 @@ int explain_brought(Session& session, const std::string& name) {
     list += "; what plugins bring only a running mauved knows";
   }
   const std::string near = did_you_mean(name, known, "'");
-  return session.fail(fault_of(refuse({Errc::unknown_name, "unknown_message"}, name,
-                                      "no message and nothing of a plugin has this name",
-                                      near.empty() ? list : near + " " + list)));
+  return session.fail(
+      fault_of(refuse({Errc::unknown_name, "unknown_message"}, name,
+                      "no message, no plugin and nothing that a plugin brings has this name",
+                      near.empty() ? list : near + " " + list)));
 }
 
 }  // namespace

@@ -60,6 +60,7 @@ std::string field_title(const std::string& key) {
 std::string field_content(const Json& object, const std::string& key) {
   const Json& value = member(object, key);
   if (is_one_of(kLimits, key) && (value == "0s" || value == "0ns")) return "none";
+  if (key == "safe_value" && value.is_boolean()) return value == true ? "declared" : "none";
   if (!value.is_number()) return word(object, key);
   if (is_one_of(kInstants, key)) {
     return mtrace::instant_in_words(static_cast<std::int64_t>(number(object, key)));

@@ -11,8 +11,8 @@ namespace mauve::ctl {
 /// The key as a title: "wait" for "wait_ns", because the content has its unit.
 [[nodiscard]] std::string field_title(const std::string& key);
 
-/// The content in words: durations, instants and sizes with their units, "none" for a task's limit
-/// that is not set, else as word() has it.
+/// The content in words: durations, instants and sizes with their units, else as word() has it.
+/// "none" stands for a task's limit that is not set, and for a port without a safe value.
 [[nodiscard]] std::string field_content(const Json& object, const std::string& key);
 
 /// The states of object.get's "machine", each with "next": "[1] doze, [else] run".

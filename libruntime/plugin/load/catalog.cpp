@@ -68,6 +68,8 @@ Error Catalog::unknown(ByName<T> LoadedPlugin::*kind, std::string_view what,
     message += ": plugin " + quoted(owner) + " is not loaded";
     if (hint.empty()) hint = "load plugin " + quoted(owner);
   }
+  if (std::is_same_v<T, const DataType*>)
+    hint += std::string(hint.empty() ? "" : " ") + "A plugin registers its type: plugin.type<T>()";
   return refuse({Errc::unknown_name, "unknown_type"}, std::string(name), std::move(message),
                 std::move(hint));
 }

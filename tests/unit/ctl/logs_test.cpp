@@ -196,10 +196,12 @@ TEST(Explain, SaysWhichPluginBringsAName) {
   const Json plugins = Json::parse(R"({"items": [{"name": "guidance", "version": "1.2",
     "file": "/p/guidance.so", "cores": ["guidance/stop"], "types": ["gain/1"]}]})");
   const Scene core({"explain", "guidance/stop"}, plugins);
+  const Scene plugin({"explain", "guidance"}, plugins);
   const Scene unknown({"explain", "gain/2"}, plugins);
 
   EXPECT_EQ(core.outcome.exit, 0);
   EXPECT_THAT(core.outcome.out, HasSubstr("is     : a core of plugin guidance 1.2"));
+  EXPECT_THAT(plugin.outcome.out, HasSubstr("is     : a plugin, version 1.2"));
   EXPECT_THAT(unknown.outcome.err, HasSubstr("did you mean 'gain/1'?"));
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "render/render.h"
+#include "render/render_field.h"
 
 namespace mauve::ctl {
 namespace {
@@ -62,6 +63,11 @@ TEST(RenderObject, ShowsTheFieldsOfATypeAlsoThoseOfStructuresAndArrays) {
             "  gains       array of 3 float                     P, I, D\n"
             "  points      array of at most 8 structures\n"
             "  points[].x  double                         m\n");
+}
+
+TEST(RenderField, SaysWhetherAPortHasASafeValue) {
+  EXPECT_EQ(field_content({{"safe_value", true}}, "safe_value"), "declared");
+  EXPECT_EQ(field_content({{"safe_value", false}}, "safe_value"), "none");
 }
 
 TEST(RenderHistory, IsATableOfWhoWhatAndWhy) {

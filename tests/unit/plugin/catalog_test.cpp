@@ -63,6 +63,10 @@ TEST_F(CatalogTest, MakesWhatIsKnownByName) {
   EXPECT_TRUE(catalog_.fsm("sample/pace")->make()->configure());
 }
 
+TEST_F(CatalogTest, SaysHowATypeBecomesKnown) {
+  EXPECT_THAT(catalog_.type("nothing/1").error().hint, testing::HasSubstr("plugin.type<T>()"));
+}
+
 TEST_F(CatalogTest, FindsTheStateMachineOfAComponentAndTheCoreOfAResource) {
   EXPECT_NE(catalog_.fsm("sample/counter")->make(), nullptr);
   EXPECT_NE(catalog_.core("sample/register")->make(), nullptr);
