@@ -35,7 +35,7 @@
 ///
 /// A text has at most N bytes, an array has N items, and a
 /// Bounded has at most N. Other types do not compile, such as an enumeration (write a
-/// `std::uint8_t`), `char`, a pointer, `double[3]` or `std::vector`. Properties may also hold a
+/// `std::int32_t`), `char`, a pointer, `double[3]` or `std::vector`. Properties may also hold a
 /// `std::string`, but a value with one has no fixed size, and no resource exchanges it.
 ///
 /// A type that cannot be described field by field may have a name alone, without fields(): its
