@@ -95,8 +95,9 @@ inline constexpr Argument kWait[] = {
 inline constexpr Argument kStart[] = {any("COMPONENT", "names of components", Kind::component),
                                       flag("--all", "every component that does not run"),
                                       flag("--reset", "with a fresh core state"), kDryRun};
-inline constexpr Argument kStop[] = {any("COMPONENT", "names of components", Kind::component),
-                                     flag("--all", "every component, at once"), kDryRun};
+inline constexpr Argument kStop[] = {
+    any("COMPONENT", "names of components", Kind::component),
+    flag("--all", "every component, in stages: writers of safe values first"), kDryRun};
 inline constexpr Argument kSwap[] = {
     kComponent,
     one("CORE", "such as guidance/finite_time", Kind::core),

@@ -39,9 +39,8 @@ std::string render_pending(const Json& status, Look look) {
   }
   if (const auto recovered = word(status, "recovered"); number(status, "recovered") > 0) {
     add("this run began with generation " + recovered +
-        " after a crash or an upgrade, not with its file: an orderly end and a start begin with "
-        "the file, as "
-        "does mauved --fresh");
+        " after a crash or an upgrade, not with its file; to begin with the file: systemctl "
+        "restart mauved, or mauved --fresh");
   }
   if (const double cores = number(status, "quarantine"); cores > 0) {
     add(counted(static_cast<std::size_t>(cores), "core") + (cores > 1 ? " are" : " is") +

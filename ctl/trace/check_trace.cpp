@@ -58,8 +58,9 @@ std::string render(const Verdict& verdict, bool colour) {
   text += "checked: " + counted(checked.components, "component") + ", " +
           counted(checked.releases, "release") + " where the clock says, " +
           counted(checked.waits, "wait") + ", " + counted(checked.states, "state") + ", " +
-          counted(checked.orders, "pair") + " by priority, " + counted(checked.changes, "change") +
-          " taken " + counted(checked.takes, "time") + " at the right release, " +
+          counted(checked.orders, "pair") + " of jobs in the order of their priorities, " +
+          counted(checked.changes, "change") + " that components took " +
+          counted(checked.takes, "time") + ", each at the decided release, " +
           counted(checked.responses, "response") + " within the bound\n";
   for (const std::string& what : verdict.not_checked) {
     text += "not checked: " + harmless(what) + "\n";

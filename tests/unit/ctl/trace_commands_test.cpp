@@ -47,8 +47,8 @@ TEST_F(TraceCommand, CheckSaysThatATraceObeysTheModel) {
 
   EXPECT_EQ(outcome.exit, 0) << outcome.out;
   EXPECT_THAT(outcome.out, StartsWith("the trace obeys the model\nchecked: 4 components, "));
-  EXPECT_THAT(outcome.out, HasSubstr(" changes taken "));
-  EXPECT_THAT(outcome.out, HasSubstr(" times at the right release, "));
+  EXPECT_THAT(outcome.out, HasSubstr(" changes that components took "));
+  EXPECT_THAT(outcome.out, HasSubstr(" times, each at the decided release, "));
 }
 
 TEST_F(TraceCommand, CheckCountsTheReleasesThatWereMissed) {
