@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
+#include <pwd.h>
+
+#include <array>
 #include <string>
 
 #include "render/render.h"
@@ -13,6 +16,24 @@ Paint paint_of_mark(const std::string& mark) {
   return mark == "damaged" ? Paint::red : Paint::yellow;
 }
 
+/// The name of the user on this machine; the number of one that it does not know.
+std::string user_of(const Json& one) {
+  const std::string number = word(one, "uid");
+  std::array<char, 4096> buffer{};
+  passwd entry{};
+  passwd* found = nullptr;
+  if (member(one, "uid").is_number_unsigned()) {
+    getpwuid_r(member(one, "uid").get<uid_t>(), &entry, buffer.data(), buffer.size(), &found);
+  }
+  return found == nullptr ? number : harmless(entry.pw_name);
+}
+
+/// A rollback that mauved makes by itself is recorded like the mark of the change that it undoes.
+std::string command_of(const Json& one) {
+  const std::string command = word(one, "command");
+  return command == "rolled_back" ? "rollback by mauved" : command;
+}
+
 }  // namespace
 
 std::string render_history(const Json& result, Look look) {
@@ -21,19 +42,14 @@ std::string render_history(const Json& result, Look look) {
   }
   const Json items = result.is_object() ? result.value("items", Json::array()) : Json::array();
   if (items.empty()) return "none\n";
-  Table table({{"GENERATION", true},
-               {"TIME"},
-               {"UID", true},
-               {"COMMAND"},
-               {"MARK"},
-               {"CHANGES"},
-               {"REASON"}});
+  Table table(
+      {{"GENERATION", true}, {"TIME"}, {"USER"}, {"COMMAND"}, {"MARK"}, {"CHANGES"}, {"REASON"}});
   for (const Json& one : items) {
     const std::string mark = word(one, "mark");
     table.add({{word(one, "generation")},
                {time_in_words(word(one, "time"))},
-               {word(one, "command") == "supervision" ? "-" : word(one, "uid")},
-               {word(one, "command")},
+               {word(one, "command") == "supervision" ? "-" : user_of(one)},
+               {command_of(one)},
                {mark, paint_of_mark(mark)},
                {word(one, "changes")},
                {word(one, "reason")}});

@@ -38,7 +38,7 @@ TEST_F(KeptStop, OfAChangeOnProbationHoldsInTheOlderGeneration) {
   EXPECT_EQ(daemon.value("second.core.gain"), 1.0) << "the change on probation is lost";
   EXPECT_EQ(exported(daemon)["components"]["second"]["start"], false);
   EXPECT_TRUE(was_logged(daemon, "stays_stopped"));
-  EXPECT_THAT(daemon.errors(), HasSubstr("second stays stopped: generation 3"));
+  EXPECT_THAT(daemon.errors(), HasSubstr("second: stays stopped, since generation 3"));
 
   crash(daemon);
   daemon.start();

@@ -72,15 +72,26 @@ TEST(RenderField, SaysWhetherAPortHasASafeValue) {
 
 TEST(RenderHistory, IsATableOfWhoWhatAndWhy) {
   const Json history = Json::parse(R"({"state_dir": "/s", "items": [
-    {"generation": 42, "time": "2026-01-31T12:00:00.123456Z", "uid": 1000, "command": "param.set",
+    {"generation": 42, "time": "2026-01-31T12:00:00.123456Z", "uid": 987654, "command": "param.set",
      "changes": "~ a.core.x: 1 -> 2", "reason": "too slow", "mark": "confirmed", "boot": "b"},
     {"generation": 41, "mark": "damaged"}]})");
 
   EXPECT_EQ(
       render_history(history, {}),
-      "GENERATION  TIME                   UID  COMMAND    MARK       CHANGES             REASON\n"
-      "        42  2026-01-31 12:00:00Z  1000  param.set  confirmed  ~ a.core.x: 1 -> 2  too slow\n"
-      "        41                                         damaged\n");
+      "GENERATION  TIME                  USER    COMMAND    MARK       CHANGES             REASON\n"
+      "        42  2026-01-31 12:00:00Z  987654  param.set  confirmed  ~ a.core.x: 1 -> 2  too "
+      "slow\n"
+      "        41                                           damaged\n");
+}
+
+TEST(RenderHistory, NamesTheUserAndARollbackByMauved) {
+  const std::string text = render_history(Json::parse(R"({"state_dir": "/s", "items": [
+    {"generation": 42, "time": "2026-01-31T12:00:00.123456Z", "uid": 0, "command": "rolled_back",
+     "changes": "", "reason": "", "mark": "confirmed", "boot": "b"}]})"),
+                                          {});
+
+  EXPECT_NE(text.find(" root "), std::string::npos) << text;
+  EXPECT_NE(text.find("rollback by mauved"), std::string::npos) << text;
 }
 
 TEST(RenderHistory, SaysWhenNothingIsKept) {
