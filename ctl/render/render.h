@@ -47,9 +47,10 @@ struct Look {
 [[nodiscard]] std::string change_lines(const Json& result, Look look);
 /// "swapped control: pause 38 ns, 0 releases missed (generation 42)".
 [[nodiscard]] std::string render_receipt(std::string_view done, const Json& receipt, Look look);
-/// States that no core takes, one a line.
-[[nodiscard]] std::string dropped_states(const Json& receipt, Look look);
-/// The remarks of the answer, "note: ...", one a line.
+/// The consequences of a change, one a line: properties that are gone, states that are dropped,
+/// notes and warnings. An answer and a dry run print the same ones.
+[[nodiscard]] std::string remark_lines(const Json& receipt, Look look);
+/// Of these the notes only, "note: ...".
 [[nodiscard]] std::string note_lines(const Json& receipt, Look look);
 [[nodiscard]] std::string render_quarantine(const Json& list, Look look);
 

@@ -85,7 +85,7 @@ std::string render_applied(std::string_view file, const Json& result, Look look)
 
 std::string render_plan(std::string_view file, const Json& result, Look look) {
   const std::string lines = change_lines(result, look);
-  if (lines.empty()) return same_as(file, result) + note_lines(result, look);
+  if (lines.empty()) return same_as(file, result) + remark_lines(result, look);
   std::string members;
   for (const Json& member : list_in(result, "components")) {
     join(members, word(member, "name"));
@@ -100,8 +100,8 @@ std::string render_plan(std::string_view file, const Json& result, Look look) {
   std::string text = "everything is prepared and would be applied";
   if (!members.empty()) text += "; at the same instant: " + members;
   return lines + at_barrier(result, true, look) + wrapped(text, look.width, 2) + "\n" +
-         dropped_states(result, look) + note_lines(result, look) +
-         "nothing was changed (generation " + word(result, "generation") + " still running)\n";
+         remark_lines(result, look) + "nothing was changed (generation " +
+         word(result, "generation") + " still running)\n";
 }
 
 }  // namespace mauve::ctl

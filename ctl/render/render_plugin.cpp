@@ -49,16 +49,9 @@ std::string builds_of(const Json& plugin, Look look) {
 }  // namespace
 
 std::string render_plugin(std::string_view done, const Json& result, Look look) {
-  const std::string unmapped = word(result, "unmapped");
   std::string text(done);
-  if (unmapped == "true") text += ", the old code is out of memory";
-  Json receipt = result;
-  if (receipt.is_object()) receipt.erase("warnings");  // printed below
-  text = render_receipt(text, receipt, look);
-  if (const auto why = word(result, "why"); unmapped == "false" && !why.empty()) {
-    text += wrapped("  the old code stays in memory: " + why, look.width, 4) + "\n";
-  }
-  return text + warnings_of(result, word(result, "plugin"), look);
+  if (word(result, "unmapped") == "true") text += ", the old code is out of memory";
+  return render_receipt(text, result, look);
 }
 
 std::string render_plugins(const Json& result, Look look) {

@@ -96,6 +96,25 @@ std::string standing(const Json& receipt, Look look) {
   return text;
 }
 
+/// "  the old code stays in memory: a thread is still in it"
+std::string old_code(const Json& receipt, Look look) {
+  const std::string why = word(receipt, "why");
+  if (word(receipt, "unmapped") != "false" || why.empty()) return {};
+  return wrapped("  the old code stays in memory: " + why, look.width, 4) + "\n";
+}
+
+/// "warning: control: its job may never end", one a line; those of a plugin begin with its name.
+std::string warnings(const Json& receipt, Look look) {
+  const std::string plugin = word(receipt, "plugin");
+  const std::string subject = "warning: " + (plugin.empty() ? "" : plugin + ": ");
+  std::string text;
+  for (const Json& warning : list_in(receipt, "warnings")) {
+    const std::string line = subject + harmless(compact(warning));
+    text += painted(wrapped(line, look.width, 2), Paint::yellow, look.colour) + "\n";
+  }
+  return text;
+}
+
 /// ", 16 bytes of state kept, state converted: count/1 -> count/2"
 std::string kept_states(const Json& receipt) {
   std::uint64_t bytes = 0;
@@ -110,8 +129,6 @@ std::string kept_states(const Json& receipt) {
 
 }  // namespace
 
-std::string dropped_states(const Json& receipt, Look look) { return dropped(receipt, look); }
-
 std::string note_lines(const Json& receipt, Look look) {
   std::string text;
   for (const Json& note : list_in(receipt, "notes")) {
@@ -120,12 +137,17 @@ std::string note_lines(const Json& receipt, Look look) {
   return text;
 }
 
+std::string remark_lines(const Json& receipt, Look look) {
+  return already_so(receipt, look) + defaults(receipt, look) + gone(receipt, look) +
+         kept(receipt, look) + dropped(receipt, look) + standing(receipt, look) +
+         old_code(receipt, look) + note_lines(receipt, look) + warnings(receipt, look);
+}
+
 std::string render_receipt(std::string_view done, const Json& receipt, Look look) {
   const std::string generation = word(receipt, "generation");
-  const std::string already = already_so(receipt, look);
   if (member(receipt, "changed") == false) {
-    return "nothing to change (generation " + generation + " still running)\n" + already +
-           note_lines(receipt, look);
+    return "nothing to change (generation " + generation + " still running)\n" +
+           remark_lines(receipt, look);
   }
   const Json& components = member(receipt, "components");
   std::string text(done);
@@ -154,15 +176,7 @@ std::string render_receipt(std::string_view done, const Json& receipt, Look look
     for (const Json& rule : member(receipt, "held_rules")) join(names, harmless(compact(rule)));
     if (!names.empty()) text += ": " + names;
   }
-  text = wrapped(text, look.width, 2) + "\n";
-  text += already + defaults(receipt, look) + gone(receipt, look) + kept(receipt, look) +
-          dropped(receipt, look) + standing(receipt, look) + note_lines(receipt, look);
-  const Json& warnings = member(receipt, "warnings");
-  for (const Json& warning : warnings.is_array() ? warnings : Json::array()) {
-    const std::string line = "warning: " + harmless(compact(warning));
-    text += painted(wrapped(line, look.width, 2), Paint::yellow, look.colour) + "\n";
-  }
-  return text;
+  return wrapped(text, look.width, 2) + "\n" + remark_lines(receipt, look);
 }
 
 }  // namespace mauve::ctl

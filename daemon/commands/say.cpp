@@ -57,15 +57,19 @@ void say_missed(bool realtime, Json& result) {
   }
 }
 
-void say_who_stands(Running& running, const Change& change, Json& result) {
+void say_who_stands(Running& running, const Change& change, Asked asked, Json& result) {
   MAUVE_ON_THREAD(control);
   auto standing = Json::array();
   for (const auto& edit : change.edits) {
-    const auto now = running.deployer.status(edit.member);
+    auto now = running.deployer.status(edit.member);
+    if (edit.core) {
+      now.core = edit.core->name;  // the next step is for the new core, in a dry run too
+    }
+    const bool would_start = asked == Asked::dry_run && edit.mode == Mode::run;
     const bool recovers = now.state == ComponentState::recovering;
     const bool stands =
         recovers || now.state == ComponentState::faulted || now.state == ComponentState::stopped;
-    if (edit.mode != Mode::park && !now.name.empty() && stands) {
+    if (edit.mode != Mode::park && !would_start && !now.name.empty() && stands) {
       standing.push_back(
           {{"name", now.name},
            {"state", to_string(now.state)},

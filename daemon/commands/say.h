@@ -2,6 +2,7 @@
 /// The parts of an answer beside its receipt.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,8 +33,11 @@ void say_sync(std::optional<Result<PreparedChange>>& prepared, Json& result);
 /// be the cause.
 void say_missed(bool realtime, Json& result);
 
+enum class Asked : std::uint8_t { in_force, dry_run };
+
 /// [control] The changed components that do not run, and will not by themselves. To be reported,
-/// since the rest of the receipt reads as if all was well.
-void say_who_stands(Running& running, const Change& change, Json& result);
+/// since the rest of the receipt reads as if all was well. In a dry run, those that the change
+/// would leave as they are.
+void say_who_stands(Running& running, const Change& change, Asked asked, Json& result);
 
 }  // namespace mauve::daemon

@@ -107,7 +107,9 @@ class Application final : public ChangeHooks {
     return std::move(difference_.change);
   }
 
-  Status check_prepared() override {
+  Status check_prepared(PreparedChange& /*change*/) override { return check_loaded(); }
+  /// The rules are still those that the file was compared with, and its plugins fit.
+  [[nodiscard]] Status check_loaded() const {
     if (running_.supervisor.adoptions() != compared_with_) {
       return refuse({Errc::conflict, "changed_meanwhile"}, "rules",
                     "were changed by a rollback after the file was compared with them",
@@ -258,7 +260,7 @@ void load_only(Running& running, const Call& call, Application& application) {
     good = check_conditions(running, call);
   }
   if (good) {
-    good = application.check_prepared();
+    good = application.check_loaded();
   }
   if (good) {
     good = may_change(running, call, *application.lines());

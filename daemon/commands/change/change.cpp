@@ -56,15 +56,15 @@ void put_in_force(Running& running, const CallPtr& call, ChangeRequestPtr reques
 /// [control] Ends a dry run: the answer shows the prepared change, and [factory] frees it.
 void answer_dry_run(Running& running, const CallPtr& call, ChangeRequestPtr request,
                     Ticket ticket) {
-  auto result = to_json(running.deployer.foresee(**request->prepared));
+  const bool so_already = is_so_already(*request);
+  Receipt nothing;
+  nothing.generation = running.generation;
+  auto result = to_json(so_already ? nothing : running.deployer.foresee(**request->prepared));
   result["dry_run"] = true;
-  say_sync(request->prepared, result);
-  say_kept(running, request->change, result);
-  if (request->hooks != nullptr) {
-    request->hooks->complete(result);
+  if (!so_already) {
+    say_who_stands(running, request->change, Asked::dry_run, result);
+    say_consequences(running, *request, result);
   }
-  say_lines(request->lines, result);
-  say_notes(request->notes, result);
   result.emplace("lines", Json::array());
   answer(running, *call, std::move(result));
   free_in_factory(running, std::move(request), std::move(ticket));

@@ -26,7 +26,7 @@ class ChangeHooks {
   virtual ~ChangeHooks() = default;
 
   /// [control] Called when all is prepared; an error refuses the change.
-  virtual Status check_prepared() = 0;
+  virtual Status check_prepared(PreparedChange& change) = 0;
   /// [control] The change is in force, or partly, and made this generation. A rollback of it comes
   /// later.
   virtual void in_force(std::uint64_t generation) = 0;

@@ -53,7 +53,7 @@ bool may_go_on(Running& running, const Call& call, ChangeRequest& request) {
     met = stopped_meanwhile(request);
   }
   if (met && request.hooks != nullptr) {
-    met = request.hooks->check_prepared();
+    met = request.hooks->check_prepared(**request.prepared);
   }
   if (met) {
     const auto whole = request.hooks == nullptr ? std::nullopt : request.hooks->lines();
@@ -100,19 +100,23 @@ void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
     return answer(running, call, receipt.error(), state);
   }
   auto result = to_json(*receipt);
-  say_sync(request.prepared, result);
-  say_who_stands(running, request.change, result);
+  say_who_stands(running, request.change, Asked::in_force, result);
   say_missed(running.deployer.realtime(), result);
+  say_consequences(running, request, result);
+  answer(running, call, std::move(result));
+}
+
+void say_consequences(const Running& running, ChangeRequest& request, Json& result) {
+  say_sync(request.prepared, result);
   say_kept(running, request.change, result);
   if (request.change.probation) {
     result["probation"] = to_json(*request.change.probation);
   }
-  if (hooks != nullptr) {
-    hooks->complete(result);
+  if (request.hooks != nullptr) {
+    request.hooks->complete(result);
   }
   say_lines(request.lines, result);
   say_notes(request.notes, result);
-  answer(running, call, std::move(result));
 }
 
 std::uint64_t stops_of(const std::map<std::string, std::uint64_t>& stops, const Change& change) {

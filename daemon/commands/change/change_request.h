@@ -39,6 +39,9 @@ void free_in_factory(Running& running, ChangeRequestPtr request, Ticket ticket);
 void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
             const std::string& state, ChangeRequest& request);
 
+/// [control] Adds all parts of the answer that a dry run has too.
+void say_consequences(const Running& running, ChangeRequest& request, Json& result);
+
 /// How often the components of the change were stopped so far, in all.
 [[nodiscard]] std::uint64_t stops_of(const std::map<std::string, std::uint64_t>& stops,
                                      const Change& change);

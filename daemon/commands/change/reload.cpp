@@ -138,7 +138,7 @@ void free_old(Running& running, Reload& reload, bool in_force) {
 Json result_of(Running& running, Reload& reload) {
   auto result = reload.receipt ? to_json(*reload.receipt) : to_json(Receipt{});
   say_sync(reload.prepared, result);
-  say_who_stands(running, reload.change, result);
+  say_who_stands(running, reload.change, Asked::in_force, result);
   say_missed(running.deployer.realtime(), result);
   say_lines(reload.lines, result);
   say_same_build(reload.lines, result);
@@ -207,7 +207,9 @@ void answer_dry_reload(Running& running, const CallPtr& call, ReloadPtr reload, 
   nothing.generation = running.deployer.generation();
   auto result = to_json(reload->prepared ? running.deployer.foresee(**reload->prepared) : nothing);
   result["dry_run"] = true;
+  result["plugin"] = reload->name;
   say_sync(reload->prepared, result);
+  say_who_stands(running, reload->change, Asked::dry_run, result);
   say_lines(reload->lines, result);
   say_same_build(reload->lines, result);
   answer(running, *call, std::move(result));

@@ -26,7 +26,7 @@ class Already final : public ChangeHooks {
  public:
   Already(std::vector<std::string> names, std::vector<std::string> notes)
       : names_(std::move(names)), notes_(std::move(notes)) {}
-  Status check_prepared() override { return ok(); }
+  Status check_prepared(PreparedChange& /*change*/) override { return ok(); }
   void in_force(std::uint64_t /*generation*/) override {}
   void complete(Json& result) override {
     say_already(names_, "running", result);

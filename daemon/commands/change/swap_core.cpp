@@ -11,6 +11,7 @@
 #include "commands/change/policies.h"
 #include "commands/model.h"
 #include "commands/path_rule.h"
+#include "exec/system/prepared.h"
 #include "mauve/host/architecture.h"
 
 namespace mauve::daemon {
@@ -71,12 +72,11 @@ Result<Edit> edit_from(const Running& running, const Json& params) {
   return edit;
 }
 
-/// Reports two kinds of properties of the core before. Some differ now, since the request asked for
-/// the defaults of the new core; the new core does not have the others.
+/// Reports two kinds of properties of the core before. Some differ, since the request asked for the
+/// defaults of the new core; the new core does not have the others.
 class Properties final : public ChangeHooks {
  public:
-  Properties(const Running& running, const ComponentBase& component, const Edit& edit)
-      : running_(running), component_(component.name()) {
+  Properties(const ComponentBase& component, const Edit& edit) {
     for (const auto* property : component.bundle()->core->properties()) {
       const std::string name(property->name());
       const auto set = [&](const auto& given) { return given.first == "core." + name; };
@@ -85,38 +85,34 @@ class Properties final : public ChangeHooks {
       }
     }
   }
-  Status check_prepared() override { return ok(); }
+  Status check_prepared(PreparedChange& change) override {
+    const auto& core = *change.content().members.front().next->core;
+    for (const auto& [name, before] : before_) {
+      const auto* next = core.find_property(name);
+      if (next == nullptr) {
+        gone_.push_back({{"name", name}, {"before", arch::to_json(before)}});
+      } else if (!arch::same_value(before, next->value())) {
+        differ_.push_back({{"name", name},
+                           {"before", arch::to_json(before)},
+                           {"after", arch::to_json(next->value())}});
+      }
+    }
+    return ok();
+  }
   void in_force(std::uint64_t /*generation*/) override {}
   void complete(Json& result) override {
-    auto* component = running_.architecture.find_component(component_);
-    if (component == nullptr) {
-      return;
+    if (!differ_.empty()) {
+      result["defaults"] = differ_;
     }
-    auto differ = Json::array();
-    auto gone = Json::array();
-    for (const auto& [name, before] : before_) {
-      const auto* now = component->core().find_property(name);
-      if (now == nullptr) {
-        gone.push_back({{"name", name}, {"before", arch::to_json(before)}});
-      }
-      if (now != nullptr && !arch::same_value(before, now->value())) {
-        differ.push_back({{"name", name},
-                          {"before", arch::to_json(before)},
-                          {"after", arch::to_json(now->value())}});
-      }
-    }
-    if (!differ.empty()) {
-      result["defaults"] = std::move(differ);
-    }
-    if (!gone.empty()) {
-      result["gone"] = std::move(gone);
+    if (!gone_.empty()) {
+      result["gone"] = gone_;
     }
   }
 
  private:
-  const Running& running_;
-  std::string component_;
   std::vector<std::pair<std::string, Value>> before_;
+  Json differ_ = Json::array();
+  Json gone_ = Json::array();
 };
 
 /// The old core releases its devices before the new one begins, so a dry run has nothing to prepare
@@ -149,8 +145,8 @@ void swap_core(Running& running, const CallPtr& call, Ticket ticket) {
   if (const auto sound = in_place ? may_be_in_place(call->params) : ok(); !sound) {
     return answer(running, *call, sound.error());
   }
-  auto properties = std::make_shared<Properties>(
-      running, *running.architecture.find_component(edit->member), *edit);
+  auto properties =
+      std::make_shared<Properties>(*running.architecture.find_component(edit->member), *edit);
   if (in_place) {
     return apply_in_place(running, call, std::move(ticket), *std::move(edit),
                           std::move(properties));

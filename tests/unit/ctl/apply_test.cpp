@@ -128,6 +128,21 @@ TEST(RenderPlan, SaysWhoTakesPartAndWhatIsKept) {
   EXPECT_EQ(render_plan("rover.json", kSame, {}), "rover.json is what runs (generation 41)\n");
 }
 
+TEST(RenderPlan, PrintsTheConsequencesThatTheReceiptPrints) {
+  Json result = kResult;
+  result["gone"] = Json::parse(R"([{"name": "speed", "before": 0.6}])");
+  result["notes"] = {"a rollback continues with another state"};
+  result["warnings"] = {"control: its job may never end"};
+  const std::string consequences = remark_lines(result, {});
+
+  EXPECT_EQ(consequences,
+            "  speed (0.6) is gone: the new core has no such property\n"
+            "note: a rollback continues with another state\n"
+            "warning: control: its job may never end\n");
+  EXPECT_NE(render_plan("rover.json", result, {}).find(consequences), std::string::npos);
+  EXPECT_TRUE(render_receipt("applied", result, {}).ends_with(consequences));
+}
+
 TEST(RenderPlan, SaysWhichStateIsConvertedAndShowsTheNotes) {
   Json result = kResult;
   result["components"][0]["converted"] = "count/1 -> count/2";
