@@ -48,7 +48,10 @@ std::string line_in_words(const Json& line) {
   const std::string subject =
       (element || kind == "plugin" ? kind + " " : "") + member_of(line, "address");
   if (op == "change") {
-    return "~ " + subject + ": " + member_of(line, "old") + " -> " + member_of(line, "new");
+    const std::string before = member_of(line, "old");
+    const std::string after = member_of(line, "new");
+    const bool anew = kind == "core" && before == after;
+    return "~ " + subject + ": " + (anew ? after + ", made anew" : before + " -> " + after);
   }
   const bool added = op == "add";
   const std::string text = (added ? "+ " : "- ") + subject;

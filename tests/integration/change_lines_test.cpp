@@ -90,6 +90,17 @@ TEST(History, ShowsWhatChangedAndComparesTwoGenerations) {
   EXPECT_EQ(daemon.ctl({"history", "2", "77"}).exit, 4);
 }
 
+TEST(History, ShowsACoreThatWasMadeAnewAndItsDroppedState) {
+  TempDir state;
+  TrialDaemon daemon(kTrial, {"--realtime", "off", "--state-dir", (state / "kept").string()});
+
+  const Json fresh = {{"component", "first"}, {"core", "trial/steady"}, {"state", "drop"}};
+  ASSERT_EQ(daemon.ask("core.swap", fresh)["saved"], true);
+
+  EXPECT_EQ(daemon.ask("config.history", {{"n", 1}})["items"][0]["changes"],
+            "~ first.core: trial/steady, made anew; - first.core.state: trial_memory/1 (8 bytes)");
+}
+
 TEST(History, ComparesTheFilesOfGenerationsThatThePluginsOfNowCannotMake) {
   TempDir state;
   TrialDaemon daemon(kTrial, {"--realtime", "off", "--state-dir", (state / "kept").string()});

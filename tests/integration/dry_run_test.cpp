@@ -85,5 +85,14 @@ TEST_F(DryRun, OfAFilePrintsTheWarningsOfTheChange) {
               HasSubstr("\nwarning: "));
 }
 
+TEST_F(DryRun, OfASwapToTheSameCorePrintsThatItIsMadeAnewAndItsStateDropped) {
+  const auto printed =
+      same_in_both({"swap-core", "first", "trial/steady", "--state", "drop", "--probation=off"},
+                   "swapped first");
+
+  EXPECT_THAT(printed, HasSubstr("~ first.core: trial/steady, made anew\n"));
+  EXPECT_THAT(printed, HasSubstr("- first.core.state: "));
+}
+
 }  // namespace
 }  // namespace mauve::test

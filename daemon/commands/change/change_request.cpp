@@ -3,6 +3,7 @@
 #include "commands/say.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "commands/answer.h"
 #include "commands/lock.h"
@@ -10,6 +11,7 @@
 #include "commands/recovery/abandoned.h"
 #include "commands/recovery/quarantine.h"
 #include "judge/judgement.h"
+#include "mauve/host/architecture.h"
 #include "model/element/elements.h"
 
 namespace mauve::daemon {
@@ -38,6 +40,37 @@ Error stopped_meanwhile(const ChangeRequest& request) {
                 "was stopped by request after this change was asked for", "start it again");
 }
 
+/// "reach/1 (16 bytes)"
+std::string state_of(const MemberReceipt& row) {
+  return row.dropped + " (" + std::to_string(row.dropped_bytes) +
+         (row.dropped_bytes == 1 ? " byte)" : " bytes)");
+}
+
+/// [control] A core that is replaced by another object of the same core, and the state that this
+/// drops, differ in no line of the architecture. A lock and a role do not judge them.
+std::vector<arch::Line> lines_anew(const Running& running, ChangeRequest& request) {
+  std::vector<arch::Line> lines;
+  const auto foreseen = running.deployer.foresee(**request.prepared);
+  for (const auto& edit : request.change.edits) {
+    const auto* component = running.architecture.find_component(edit.member);
+    if (component == nullptr) {
+      continue;
+    }
+    const std::string core = component->bundle()->core_type.name;
+    if (edit.core && edit.core->name != core) {
+      continue;
+    }
+    if (edit.core) {
+      lines.push_back(arch::make_line("core", edit.member + ".core", core, core));
+    }
+    const auto row = std::ranges::find(foreseen.components, edit.member, &MemberReceipt::name);
+    if (row != foreseen.components.end() && !row->dropped.empty()) {
+      lines.push_back(arch::make_line("state", edit.member + ".core.state", state_of(*row), {}));
+    }
+  }
+  return lines;
+}
+
 /// [control] False when the change was dropped before anything happened.
 bool may_go_on(Running& running, const Call& call, ChangeRequest& request) {
   if (!*request.prepared) {
@@ -59,6 +92,7 @@ bool may_go_on(Running& running, const Call& call, ChangeRequest& request) {
     const auto whole = request.hooks == nullptr ? std::nullopt : request.hooks->lines();
     request.lines = whole ? *whole : lines_of(running, **request.prepared);
     met = may_change(running, call, request.lines);
+    request.anew = whole ? request.anew : lines_anew(running, request);
     request.notes = place_notes(running, request.change);
   }
   if (!met) {
@@ -115,7 +149,9 @@ void say_consequences(const Running& running, ChangeRequest& request, Json& resu
   if (request.hooks != nullptr) {
     request.hooks->complete(result);
   }
-  say_lines(request.lines, result);
+  auto lines = request.lines;
+  std::ranges::copy(request.anew, std::back_inserter(lines));
+  say_lines(lines, result);
   say_notes(request.notes, result);
 }
 
