@@ -132,10 +132,21 @@ int Session::fail(const Fault& fault) {
   if (screen.json) {
     screen.out << protocol::to_line(fault_json(fault)) << '\n';
   } else {
-    screen.err << render_fault(asked(fault.where), fault, {screen.width_err, screen.colour_err});
+    Fault shown = fault;
+    shown.where = as_typed(fault.where);
+    screen.err << render_fault(asked(fault.where), shown, {screen.width_err, screen.colour_err});
   }
   screen.out.flush();
   return fault.exit;
+}
+
+std::string Session::as_typed(std::string_view where) const {
+  std::string option = "--" + std::string(where);
+  std::ranges::replace(option, '_', '-');
+  for (const Argument& argument : command.arguments) {
+    if (argument.name == option && arguments.has(argument.name)) return option;
+  }
+  return std::string(where);
 }
 
 std::string Session::asked(std::string_view where) const {

@@ -38,6 +38,9 @@ class Session {
   /// The request of the user, for messages: "swap-core arm"; of several arguments the one at
   /// `where`.
   [[nodiscard]] std::string asked(std::string_view where) const;
+  /// The option that was given for this parameter of the wire ("--dry-run" for "dry_run"); the same
+  /// text for anything else.
+  [[nodiscard]] std::string as_typed(std::string_view where) const;
   [[nodiscard]] Look look() const { return {screen.width, screen.colour_out}; }
 
  private:

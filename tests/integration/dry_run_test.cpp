@@ -94,5 +94,13 @@ TEST_F(DryRun, OfASwapToTheSameCorePrintsThatItIsMadeAnewAndItsStateDropped) {
   EXPECT_THAT(printed, HasSubstr("- first.core.state: "));
 }
 
+TEST_F(DryRun, OfASwapInPlaceIsRefusedInTheWordsOfTheUser) {
+  const auto refused = daemon.ctl({"swap-core", "first", "trial/other", "--in-place", "--dry-run"});
+
+  EXPECT_EQ(refused.exit, 1);
+  EXPECT_THAT(refused.err, HasSubstr("where  : --dry-run\n"));
+  EXPECT_THAT(refused.err, HasSubstr("hint   : leave out --in-place "));
+}
+
 }  // namespace
 }  // namespace mauve::test

@@ -123,13 +123,13 @@ Status may_be_in_place(const Json& params) {
         {Errc::unsupported, "in_place_not_foreseen"}, "dry_run",
         "a swap in place prepares the new core only when the old one has let go, so there "
         "is nothing to foresee",
-        "leave out in_place to see what a swap beside the old core would do");
+        "leave out --in-place to see what a swap beside the old core would do");
   }
   if (params.contains("misses")) {
     return refuse({Errc::invalid_value, "in_place_without_misses"}, "misses",
                   "the rollback from a swap in place stops the component as long as the swap did, "
                   "so only a failure rolls back, not late jobs",
-                  "leave out misses, or in_place");
+                  "leave out --misses, or --in-place");
   }
   return ok();
 }
