@@ -10,6 +10,9 @@ namespace mauve::ctl {
 /// The options that were given, of those that several changes have: "--state drop" and the like.
 void add_options(const Session& session, Json& params);
 
+/// Prints the errors of a file above the refusal; returns the exit code.
+int fail_with_errors(Session& session, const Fault& fault, std::string_view file);
+
 /// The names of all events, in the order of events.def.
 [[nodiscard]] std::vector<std::string> message_names();
 

@@ -9,13 +9,8 @@ namespace {
 
 using protocol::Exit;
 
-/// The errors of a file stand above the refusal, where people look for them.
 int fail(Session& session, const Fault& fault) {
-  if (!session.screen.json && fault.errors.is_array()) {
-    session.screen.err << render_errors(session.arguments.one("FILE"), {{"errors", fault.errors}},
-                                        {session.screen.width_err, session.screen.colour_err});
-  }
-  return session.fail(fault);
+  return fail_with_errors(session, fault, session.arguments.one("FILE"));
 }
 
 int apply(Session& session, bool dry_run) {
@@ -34,6 +29,14 @@ int apply(Session& session, bool dry_run) {
 }
 
 }  // namespace
+
+int fail_with_errors(Session& session, const Fault& fault, std::string_view file) {
+  if (!session.screen.json && fault.errors.is_array()) {
+    session.screen.err << render_errors(file, {{"errors", fault.errors}},
+                                        {session.screen.width_err, session.screen.colour_err});
+  }
+  return session.fail(fault);
+}
 
 int run_apply(Session& session) { return apply(session, session.arguments.has("--dry-run")); }
 

@@ -182,13 +182,8 @@ int run_change(Session& session) {
   Json asked = std::get<Json>(std::move(params));
   add_options(session, asked);
   const auto answer = session.call("change.apply", std::move(asked));
-  const std::string file = session.arguments.one("-f,--file");
   if (const auto* fault = std::get_if<Fault>(&answer)) {
-    if (!session.screen.json && fault->errors.is_array()) {
-      session.screen.err << render_errors(file, {{"errors", fault->errors}},
-                                          {session.screen.width_err, session.screen.colour_err});
-    }
-    return session.fail(*fault);
+    return fail_with_errors(session, *fault, session.arguments.one("-f,--file"));
   }
   const auto& receipt = std::get<Json>(answer);
   print_change(session, receipt, "changed", render_receipt);
@@ -268,8 +263,13 @@ int run_rollback(Session& session) {
   }
   Json params = {{"generation", *generation}};
   add_options(session, params);
-  return change(session, "config.rollback", std::move(params),
-                "rolled back to generation " + wanted);
+  const auto answer = session.call("config.rollback", std::move(params));
+  if (const auto* fault = std::get_if<Fault>(&answer)) {
+    return fail_with_errors(session, *fault, "generation " + wanted);
+  }
+  print_change(session, std::get<Json>(answer), "rolled back to generation " + wanted,
+               render_receipt);
+  return 0;
 }
 
 int run_lock(Session& session) {

@@ -125,6 +125,25 @@ TEST_F(BuildsOfPlugins, AreNotBroughtBackByARollbackToAGenerationThatSaysSo) {
   EXPECT_FALSE(daemon.ask("config.rollback", {{"generation", 2}}).contains("notes"));
 }
 
+TEST_F(BuildsOfPlugins, AreTheHintOfARollbackToAGenerationThatTheyCannotRun) {
+  const auto former = build();
+  for (const auto* core : {"trial/former", "trial/other"}) {
+    ASSERT_EQ(daemon.ctl({"swap-core", "first", core, "--probation=off"}).exit, 0);
+  }
+  daemon.install(2);
+  const Json unproven = {{"plugin", "trial"}, {"probation", "off"}};
+  ASSERT_EQ(daemon.ask("plugin.reload", unproven)["saved"], true);
+
+  const auto refused = daemon.ctl({"rollback", "2"});
+
+  EXPECT_EQ(refused.exit, 1);
+  EXPECT_THAT(refused.err, testing::ContainsRegex("generation 2:[0-9]+:[0-9]+: error: .*former"));
+  EXPECT_THAT(refused.err, HasSubstr("generation 2 cannot run with the plugins of now: its file "
+                                     "has 1 error\n"));
+  EXPECT_THAT(refused.err, HasSubstr("hint   : it ran build " + former + " of trial, and build " +
+                                     build() + " runs: put build " + former + " in place of "));
+}
+
 TEST_F(BuildsOfPlugins, AreTheHintOfAnUndoOfAReloadThatIsOffProbation) {
   const auto former = build();
   daemon.install(2);

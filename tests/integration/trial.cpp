@@ -66,6 +66,9 @@ class Steady : public TrialCore {
 
 class Other final : public Steady {};
 
+/// Only build 1 has it.
+class Former final : public Steady {};
+
 /// Writes the sign of its input to a file, as a driver writes to its device.
 class Noting final : public Steady {
   mauve::Property<std::string> file{*this, "file", "", "its path"};
@@ -309,6 +312,7 @@ class AnotherCore : public mauve::Core<AnotherShell> {
 MAUVE_PLUGIN(plugin) {
   plugin.core<trial::Steady>("steady");
   plugin.core<trial::Other>("other");
+  if (NUMBER == 1) plugin.core<trial::Former>("former");
   plugin.core<trial::Noting>("noting");
   plugin.core<trial::Counting>("counting");
   plugin.core<trial::Undefined>("undefined");

@@ -62,6 +62,7 @@ class Application final : public ChangeHooks {
   /// [factory]
   void load() { wanted_ = arch::load(text_, catalog_, problems_, &supervision_); }
   [[nodiscard]] const arch::Problems& problems() const { return problems_; }
+  [[nodiscard]] const std::optional<Generation>& saved() const { return saved_; }
 
   /// [control] Once the file turned out to be good.
   void compare() {
@@ -220,6 +221,19 @@ void free_in_factory(Running& running, ApplicationPtr application, Ticket ticket
       [ticket = std::move(ticket)] {});
 }
 
+/// A saved generation is as it was: the plugins of now are others.
+void refuse_saved(Running& running, const Call& call, const Generation& saved, Json errors) {
+  const auto number = std::to_string(saved.number);
+  std::string hint;
+  for (const auto& one : other_builds(saved.builds, running.catalog)) {
+    hint += "it ran build " + short_build(one.recorded) + " of " + one.plugin + ", and build " +
+            short_build(one.runs) + " runs: " + remedy_of(one) + "; ";
+  }
+  refuse_text(running, call,
+              "generation " + number + " cannot run with the plugins of now: its file has",
+              hint + "mauvectl history lists the others", std::move(errors));
+}
+
 void refuse_file(Running& running, const Call& call, Json errors) {
   const bool lacks_plugin = std::any_of(errors.begin(), errors.end(), [](const Json& one) {
     return text_or(one, "id") == "plugin_not_found";
@@ -307,7 +321,10 @@ void load_then_apply(Running& running, const CallPtr& call, ApplicationPtr appli
   auto then = [&running, call, application = std::move(application),
                ticket = std::move(ticket)]() mutable {
     if (!application->problems().empty()) {
-      refuse_file(running, *call, to_json(application->problems()));
+      auto errors = to_json(application->problems());
+      const auto& saved = application->saved();
+      saved ? refuse_saved(running, *call, *saved, std::move(errors))
+            : refuse_file(running, *call, std::move(errors));
       return free_in_factory(running, std::move(application), std::move(ticket));
     }
     application->compare();
@@ -324,8 +341,11 @@ void load_then_apply(Running& running, const CallPtr& call, ApplicationPtr appli
 void apply_architecture(Running& running, const CallPtr& call, Ticket ticket, std::string text,
                         const std::optional<Generation>& saved) {
   MAUVE_ON_THREAD(control);
-  if (saved && text_or(call->params, "reason").empty()) {
-    call->params["reason"] = "rollback to generation " + std::to_string(saved->number);
+  if (saved) {
+    call->params["file"] = "generation " + std::to_string(saved->number);  // the place of errors
+    if (text_or(call->params, "reason").empty()) {
+      call->params["reason"] = "rollback to generation " + std::to_string(saved->number);
+    }
   }
   auto question = question_of(running, *call);
   question.text = text;
