@@ -102,5 +102,15 @@ TEST_F(DryRun, OfASwapInPlaceIsRefusedInTheWordsOfTheUser) {
   EXPECT_THAT(refused.err, HasSubstr("hint   : leave out --in-place "));
 }
 
+TEST_F(DryRun, OfASwapWithAPropertyThatTheNewCoreLacksNamesThisCore) {
+  ASSERT_EQ(daemon.ctl({"swap-core", "first", "trial/brittle", "--probation=off"}).exit, 0);
+
+  const auto refused =
+      daemon.ctl({"swap-core", "first", "trial/steady", "--set", "until_there=nowhere"});
+
+  EXPECT_THAT(refused.err, HasSubstr("core trial/steady has no property until_there\n"));
+  EXPECT_THAT(refused.err, HasSubstr("hint   : there is gain\n"));
+}
+
 }  // namespace
 }  // namespace mauve::test

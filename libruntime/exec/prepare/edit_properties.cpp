@@ -27,6 +27,18 @@ Error no_property(const Configurable& element, std::string_view name) {
                 nearest.empty() ? "" : "did you mean " + element.address() + "." + nearest + "?");
 }
 
+/// The address exists, perhaps, in the core that runs: the sentence names the new one.
+Error no_property_of_new_core(const std::string& core, const Configurable& element,
+                              std::string_view name) {
+  std::vector<std::string> names;
+  for (const PropertyBase* known : element.properties()) names.emplace_back(known->name());
+  const std::string known = known_names(name, names);
+  return refuse({Errc::unknown_name, "unknown_property"},
+                element.address() + "." + std::string(name),
+                "core " + core + " has no property " + std::string(name),
+                known.empty() ? "leave it out: the core has no properties" : known);
+}
+
 /// May the value of a property of one core go on in another core?
 Status can_stay(const PropertyBase& old, const PropertyBase& same, const Edit& edit) {
   const std::string defaults = "--defaults begins with the values of the new core";
@@ -101,6 +113,9 @@ Status set_properties(const Edit& edit, std::string_view name, Configurable& ele
     const auto [owner, property] = split(path);
     if (owner != name) continue;
     PropertyBase* found = element.find_property(property);
+    if (found == nullptr && edit.core && name == "core") {
+      return no_property_of_new_core(edit.core->name, element, property);
+    }
     if (found == nullptr) return no_property(element, property);
     if (Status allowed = edit.allows ? edit.allows(*found, value) : ok(); !allowed) return allowed;
     if (Status done = found->set(value); !done) return done;
