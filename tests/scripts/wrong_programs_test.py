@@ -337,6 +337,31 @@ class WrongPrograms(unittest.TestCase):
                          " static constexpr auto fields() { return %s; } };\nnamespace robot {" % fields,
                          "plugin.type<Data>();")
 
+    def test_a_member_without_a_field(self):
+        described = ('static constexpr std::string_view type_name = "data/1";'
+                     ' static constexpr auto fields() { return std::tuple{mauve::field("x", &Data::x)}; }')
+        for members in ("double x = 0; double y = 0;", "double x = 0; std::vector<int> y;", "int x = 0; int y[3] = {};",
+                        "double x = 0; int y : 3;", "std::array<double, 2> x{}; bool y = false;"):
+            self.refused("fields() of a described type T has a field for each member of T",
+                         "struct Data { %s %s };" % (members, described), "plugin.type<Data>();")
+
+    def test_types_whose_members_all_have_fields_and_opaque_ones_compile(self):
+        described = 'static constexpr std::string_view type_name = "%s/1"; static constexpr auto fields() { return std::tuple{%s}; }'
+        field = 'mauve::field("%s", &%s::%s)'
+        kinds = {"a": "bool", "b": "float", "c": "mauve::Duration", "d": "mauve::Text<8>", "e": "std::array<double, 3>",
+                 "f": "mauve::Bounded<int, 4>", "g": "Part", "h": "std::array<Part, 2>"}
+        structs = "struct Part { double x = 0; int y = 0; %s };" % (
+            described % ("part", ", ".join(field % (name, "Part", name) for name in "xy")))
+        structs += "struct Data { %s %s };" % (
+            " ".join(f"{kind} {name}{{}};" for name, kind in kinds.items()),
+            described % ("data", ", ".join(field % (name, "Data", name) for name in kinds)))
+        structs += "struct Opaque { std::vector<int> x; double y = 0; %s };" % (described % ("opaque", ""))
+        structs += "struct Derived : Plain { int z = 0; %s };" % (
+            described % ("derived", ", ".join(field % (name, "Derived", name) for name in "xz")))
+        code, _, output = compile_text(
+            HEADER % (structs, "plugin.type<Data>(); plugin.type<Derived>(); (void)mauve::data_type<Opaque>();"))
+        self.assertEqual(code, 0, output)
+
     def test_a_field_that_is_an_enumeration(self):
         self.refused("an enumeration is no field: declare the member as std::int32_t",
                      "enum class Mode { stand, drive }; struct Data { Mode mode = Mode::stand;"

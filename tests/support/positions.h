@@ -2,6 +2,7 @@
 /// Cores for the ramp of ramp.h whose states are of three revisions, and their output.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -19,7 +20,7 @@ struct PositionV2 {
   std::int64_t millimetres = 0;
 };
 struct PositionV3 {
-  double table[510] = {};
+  std::array<double, 510> table{};
   double metres = 0;
   std::int64_t jobs = 0;
 };
@@ -53,7 +54,8 @@ template <>
 struct mauve::Described<ramp::PositionV3> {
   static constexpr std::string_view name = "ramp_position/3";
   static constexpr auto fields() {
-    return std::tuple{field("metres", &ramp::PositionV3::metres, "m"),
+    return std::tuple{field("table", &ramp::PositionV3::table),
+                      field("metres", &ramp::PositionV3::metres, "m"),
                       field("jobs", &ramp::PositionV3::jobs)};
   }
 };

@@ -38,6 +38,10 @@
 /// `std::int32_t`), `char`, a pointer, `double[3]` or `std::vector`. Properties may also hold a
 /// `std::string`, but a value with one has no fixed size, and no resource exchanges it.
 ///
+/// fields() of an aggregate has each of its members, or none (`return std::tuple{};`): then the
+/// type is opaque to tools, and its author raises the revision with each change. Members of a
+/// struct that has a constructor, a base class or a private member are not counted.
+///
 /// A type that cannot be described field by field may have a name alone, without fields(): its
 /// author vouches that all builds of that revision lay it out alike. A type with neither counts
 /// as the same in code of one build only.
@@ -122,6 +126,9 @@ template <typename T>
 std::uint64_t layout_of() {
   std::uint64_t h = hash(sizeof(T), hash(alignof(T), kHashSeed));
   if constexpr (HasGoodFields<T>) {
+    static_assert(kDescribesAll<T>,
+                  "mauve: fields() of a described type T has a field for each member of T, since "
+                  "a changed layout of the others would not be noticed");
     const T sample{};
     const auto* base = reinterpret_cast<const std::byte*>(&sample);
     std::apply(

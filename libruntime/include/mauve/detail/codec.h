@@ -119,6 +119,28 @@ inline constexpr bool kHasEnumeration = false;
 template <typename Owner, typename... M>
 inline constexpr bool kHasEnumeration<std::tuple<Field<Owner, M>...>> = (std::is_enum_v<M> || ...);
 
+/// Stands for a value of any member of the aggregate T, but for none of a base class.
+template <typename T>
+struct AnyMember {
+  template <typename M>
+  requires(!std::is_base_of_v<M, T>) operator M() const noexcept;
+};
+
+/// Has the aggregate T at least `I...` + 1 members? Members of a base class do not count.
+template <typename T, std::size_t... I>
+constexpr bool has_more_members(std::index_sequence<I...>) {
+  return requires { T{AnyMember<T>{}, (static_cast<void>(I), AnyMember<T>{})...}; };
+}
+
+template <typename T>
+inline constexpr std::size_t kFields = std::tuple_size_v<decltype(Described<T>::fields())>;
+
+/// fields() describes each member of T, or none: then T is opaque. Members are counted in an
+/// aggregate only.
+template <typename T>
+inline constexpr bool kDescribesAll = kFields<T> == 0 || !std::is_aggregate_v<T> ||
+                                      !has_more_members<T>(std::make_index_sequence<kFields<T>>());
+
 /// A description that is right.
 template <typename T>
 concept HasGoodFields = HasFields<T> && kFieldsOf<T, decltype(Described<T>::fields())>;
