@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/name.h"
+#include "model/element/hand_over.h"
 #include "model/element/missing_fields.h"
 
 #include <mauve/property.h>
@@ -140,7 +141,7 @@ Status check_paths(const Edit& edit, const std::vector<std::string_view>& elemen
 Status check_state_survives(const CoreBase& core, const Edit& edit) {
   const bool same_core = !edit.core.has_value();
   if (!same_core || edit.state == StatePolicy::drop) return ok();
-  if (core.state() != nullptr || core.slow_state() != nullptr || core.stateless()) return ok();
+  if (declares_state(core)) return ok();
   return refuse({Errc::unsupported, "state_not_declared"}, core.address(),
                 "declares neither a state to hand over nor that it has none, so this change would "
                 "silently reset it",

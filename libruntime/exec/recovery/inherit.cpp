@@ -282,10 +282,12 @@ std::vector<std::string> notes_of(const System& system, const Content& change) {
   std::vector<std::string> notes;
   for (const PreparedMember& one : change.members) {
     note_unexamined(one.component->name(), *one.base->core, *one.next->core, one.state, notes);
+    note_fresh(one.component->name(), *one.base->core, *one.next->core, one.state, notes);
   }
   for (const PreparedResource& one : change.resources) {
     if (one.parts.core == nullptr) continue;
     note_unexamined(one.resource->name(), *one.base.core, *one.parts.core, one.state, notes);
+    note_fresh(one.resource->name(), *one.base.core, *one.parts.core, one.state, notes);
   }
   if (changes_modes_only(change)) return notes;
   if (change.probation) note_one_ways(system, change, notes);

@@ -63,8 +63,21 @@ void note_unexamined(const std::string& at, const CoreBase& from, const CoreBase
   }
 }
 
+void note_fresh(const std::string& at, const CoreBase& from, const CoreBase& into,
+                StatePolicy policy, std::vector<std::string>& notes) {
+  if (&from == &into || policy == StatePolicy::drop || declares_state(from)) return;
+  notes.push_back(at +
+                  ": the new core begins fresh, since the core before declares neither a state to "
+                  "hand over (mauve::State) nor that it has none (mauve::Stateless)");
+}
+
 void note_one_way(const std::string& at, const CoreBase& now, const CoreBase& before,
                   StatePolicy policy, std::vector<std::string>& notes) {
+  if (&now != &before && policy != StatePolicy::drop && !declares_state(before)) {
+    notes.push_back(at +
+                    ": a rollback continues with the values of the core from before the change: "
+                    "that core declares no state to take over, so its outputs may jump");
+  }
   if (before.state() == nullptr || plan_hand_over(now, before, policy)) return;
   notes.push_back(at + ": a rollback continues with the state from before the change (" +
                   before.state()->type().name + "): its core has no converter from " +

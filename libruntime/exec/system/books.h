@@ -41,8 +41,13 @@ void say_states(const CoreBase& from, const CoreBase& into, StatePolicy policy, 
 void note_unexamined(const std::string& at, const CoreBase& from, const CoreBase& into,
                      StatePolicy policy, std::vector<std::string>& notes);
 
+/// Adds a note when the new core begins fresh because the core before does not say whether it has a
+/// state. A change to another core, and a reload, are not refused for that: they ask for new code.
+void note_fresh(const std::string& at, const CoreBase& from, const CoreBase& into,
+                StatePolicy policy, std::vector<std::string>& notes);
+
 /// Adds a note when the rollback from `now` to `before` cannot hand the state over: `before` has no
-/// converter from it, so it continues with the state that it had.
+/// converter from it, or declares none, so it continues with what it had.
 void note_one_way(const std::string& at, const CoreBase& now, const CoreBase& before,
                   StatePolicy policy, std::vector<std::string>& notes);
 

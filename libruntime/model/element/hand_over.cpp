@@ -152,6 +152,10 @@ std::vector<const DataType*> unexamined_states(const CoreBase& from, const CoreB
   return unexamined;
 }
 
+bool declares_state(const CoreBase& core) {
+  return core.state() != nullptr || core.slow_state() != nullptr || core.stateless();
+}
+
 Status check_whole(const ResourceBase& from, StatePolicy policy) {
   if (policy == StatePolicy::drop || !from.lock().poisoned() || from.core().stateless()) {
     return ok();

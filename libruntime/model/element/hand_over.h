@@ -5,6 +5,7 @@
 ///   `the new core's state has the same name, revision and layout`: the objects change owner.
 ///   `it has a converter from the old type`: the state is converted at the boundary.
 ///   `the state is to be dropped, or only offered to a stateless core`: nothing is handed over.
+///   `the core before declares none`: nothing is handed over; see declares_state().
 ///   `anything else`: the change is refused before anything happens.
 /// A poisoned resource hands nothing over: its data may be half written.
 #pragma once
@@ -63,6 +64,10 @@ struct HandOver {
 [[nodiscard]] std::vector<const DataType*> unexamined_states(const CoreBase& from,
                                                              const CoreBase& into,
                                                              StatePolicy policy);
+
+/// Does the core say whether it has a state to hand over? A core that does not begins fresh at each
+/// change that replaces it.
+[[nodiscard]] bool declares_state(const CoreBase& core);
 
 /// To be asked before either: an error when `from` is poisoned and its state is not to be dropped.
 /// [any]

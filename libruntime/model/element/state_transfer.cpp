@@ -119,9 +119,7 @@ Result<StateTransfer> plan_transfer(const ResourceBase& from, const ResourceBase
     plan.into = place;
     return plan;
   }
-  if (old.state() == nullptr && old.slow_state() == nullptr && !old.stateless()) {
-    return undeclared(old);
-  }
+  if (!declares_state(old)) return undeclared(old);
   const auto hand_over = plan_hand_over(old, into.core(), policy);
   if (!hand_over) return hand_over.error();
   plan.hand_over = *hand_over;

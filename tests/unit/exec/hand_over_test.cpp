@@ -239,6 +239,37 @@ TEST_F(HandOver, SaysBeforeAndAfterAConversionThatARollbackContinuesWithTheEarli
   EXPECT_EQ(position(), 21.0) << "it jumps";
 }
 
+TEST_F(HandOver, SaysThatACoreBeginsFreshWhereTheCoreBeforeDeclaresNoState) {
+  ASSERT_TRUE(swap<ramp::Forgetful>(StatePolicy::drop));
+  const std::string back =
+      "control: a rollback continues with the values of the core from before the change: that core "
+      "declares no state to take over, so its outputs may jump";
+  const std::vector<std::string> notes = {
+      "control: the new core begins fresh, since the core before declares neither a state to hand "
+      "over (mauve::State) nor that it has none (mauve::Stateless)",
+      back};
+
+  auto prepared = deployer.prepare(to_second());
+  ASSERT_TRUE(prepared) << to_string(prepared.error());
+  EXPECT_EQ(deployer.foresee(*prepared).notes, notes);
+  Retired retired;
+  const Result<Receipt> done = deployer.commit(*prepared, retired);
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_EQ(done->notes, notes);
+  ASSERT_EQ(deployer.probations().size(), 1u);
+  EXPECT_EQ(deployer.probations()[0].notes, std::vector<std::string>{back}) << "which undo says";
+}
+
+TEST_F(HandOver, SaysNothingOfAFreshCoreThatTheChangeAsksFor) {
+  ASSERT_TRUE(swap<ramp::Forgetful>(StatePolicy::drop));
+
+  const Result<Receipt> done = swap<ramp::First>(StatePolicy::drop);
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_TRUE(done->notes.empty());
+}
+
 /// A rollback brings back the core from before both changes, not that from before the second.
 TEST_F(HandOver, SaysOfJoinedChangesThatTheirRollbackContinuesWithTheEarliestState) {
   ASSERT_TRUE(swap<ramp::Lone<ramp::PositionV1>>());

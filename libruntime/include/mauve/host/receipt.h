@@ -41,9 +41,9 @@ struct Receipt {
   unsigned attempts = 0;                       ///< tries until the coordinator met its instant
   std::vector<MemberReceipt> components;       ///< those that took part
   std::vector<std::string> warnings = {};  ///< proofs that are missing (Admission::warn), wiring
-  /// States that are kept although their fields were not compared, and states that a rollback
-  /// cannot bring back. Also open probations: those that this change joins, and those that it ends
-  /// early.
+  /// States that are kept although their fields were not compared, cores that begin fresh because
+  /// the core before declares no state, and states that a rollback cannot bring back. Also open
+  /// probations: those that this change joins, and those that it ends early.
   std::vector<std::string> notes = {};
 };
 
