@@ -11,11 +11,13 @@
 
 #include "base/name.h"
 #include "exec/admission/admission.h"
+#include "exec/prepare/edit_properties.h"
 #include "exec/prepare/renew.h"
 #include "exec/recovery/standby.h"
 #include "exec/swap/bystanders.h"
 #include "exec/swap/rewired.h"
 #include "model/element/elements.h"
+#include "model/element/state_transfer.h"
 #include "model/job/abandonable_thread.h"
 
 #include <mauve/detail/job.h>
@@ -190,6 +192,49 @@ class Preparation {
   std::unique_ptr<PreparedChange::Content> content_;
 };
 
+bool holds_state(const CoreBase& core) {
+  return core.state() != nullptr || core.slow_state() != nullptr ||
+         dynamic_cast<const ValueStore*>(&core) != nullptr;
+}
+
+/// The elements whose states `--state drop` would drop in this change.
+std::vector<std::string> would_drop(const Architecture& architecture, const Change& change) {
+  std::vector<std::string> names;
+  const auto look = [&](const std::string& name, const CoreBase& core) {
+    if (holds_state(core) && !contains(names, name)) names.push_back(name);
+  };
+  for (const Edit& edit : change.edits) {
+    const bool core_goes =
+        edit.core || edit.type || touches(edit, "core") || touches(edit, "shell");
+    if (!core_goes || edit.state == StatePolicy::drop) continue;
+    const ComponentBase* const component = architecture.find_component(edit.member);
+    const ResourceBase* const resource = architecture.find_resource(edit.member);
+    if (component != nullptr) look(edit.member, *component->bundle()->core);
+    if (resource != nullptr) look(edit.member, resource->core());
+  }
+  for (const NewResource& joining : change.new_resources) {
+    const ResourceBase* const before = architecture.find_resource(joining.resource->name());
+    if (before != nullptr && joining.state != StatePolicy::drop) {
+      look(before->name(), before->core());
+    }
+  }
+  return names;
+}
+
+/// A hint that proposes `--state drop` names the states that it would drop beside the one refused.
+Error with_all_dropped(const Architecture& architecture, const Change& change, Error error) {
+  if (error.hint.find("--state drop") == std::string::npos) return error;
+  std::string others;
+  for (const std::string& name : would_drop(architecture, change)) {
+    if (name == error.at.substr(0, error.at.find('.'))) continue;
+    others += (others.empty() ? "" : ", ") + name;
+  }
+  if (!others.empty()) {
+    error.hint += "; --state drop is for the whole change, and also drops the state of: " + others;
+  }
+  return error;
+}
+
 /// `whole` becomes the change with all its consequences.
 Result<PreparedChange> prepare_locked(System& system, const Change& change, Change& whole,
                                       Preparation& preparation, bool configure) {
@@ -205,7 +250,9 @@ Result<PreparedChange> prepare_locked(System& system, const Change& change, Chan
   }
   if (Status sound = check_names(system, change); !sound) return sound.error();
   if (Status made = put_as_replacements(system.architecture, whole); !made) return made.error();
-  return preparation.run(configure);
+  auto prepared = preparation.run(configure);
+  if (!prepared) return with_all_dropped(system.architecture, whole, prepared.error());
+  return prepared;
 }
 
 }  // namespace

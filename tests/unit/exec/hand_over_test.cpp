@@ -102,6 +102,28 @@ TEST_F(HandOver, RefusesACoreThatSaysNothingOfItsState) {
             "the new core");
 }
 
+TEST(HandOverOfSeveral, NamesEachStateThatTheProposedDropWouldDropToo) {
+  ramp::Two<ramp::First, ramp::First> architecture;
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  Change change;
+  change.edits.push_back(ramp::to_core<ramp::Lone<ramp::PositionV2>>("test/other", "left"));
+  change.edits.push_back(ramp::to_core<ramp::Lone<ramp::PositionV1>>("test/same", "right"));
+
+  const auto refused = deployer.prepare(change);
+  change.edits.pop_back();
+  const auto alone = deployer.prepare(change);
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().at, "left.core");
+  EXPECT_EQ(refused.error().hint,
+            "say --state drop to start it fresh, or declare a mauve::Converts in the new core; "
+            "--state drop is for the whole change, and also drops the state of: right");
+  ASSERT_FALSE(alone);
+  EXPECT_EQ(alone.error().hint,
+            "say --state drop to start it fresh, or declare a mauve::Converts in the new core");
+}
+
 TEST_F(HandOver, DropsAStateForACoreThatSaysItIsStatelessOnlyWhenTheChangeSaysDrop) {
   struct Plain : ramp::RampCore {
     Stateless stateless{*this};
