@@ -294,8 +294,10 @@ void Supervisor::conclude(const Dispatch& dispatch, const server::Outcome& outco
     again = !unsafe && !keeps_a_thread && is_a_matter_of_time(*fault);
   } else {
     const auto& receipt = std::get<Json>(outcome);
-    makers_.remember(receipt["generation"].get<std::uint64_t>(),
-                     {dispatch.by, dispatch.rule, adoptions_});
+    if (text_or(receipt, "state") == "applied") {
+      makers_.remember(receipt["generation"].get<std::uint64_t>(),
+                       {dispatch.by, dispatch.rule, adoptions_});
+    }
     answer = text_or(receipt, "state") + ", generation " + receipt["generation"].dump();
     const auto lines = changes_of(receipt);
     std::string text = answer + (lines.empty() ? "" : ": " + lines);

@@ -12,11 +12,12 @@ constexpr const char* kCapped =
 
 TEST(Rules, OutrankAChangeThatWaitsForItsConfirmation) {
   RulesDaemon daemon(supervised(kCapped));
+  daemon.ask("param.set", {{"values", {{"first.core.gain", 2.0}}}, {"probation", "off"}});
 
   daemon.ask("param.set", {{"values", {{"first.core.gain", 6.0}}}, {"confirm_within", "600s"}});
 
   ASSERT_TRUE(daemon.fired("capped", 1)) << daemon.rule("capped");
-  EXPECT_THAT(daemon.answer("capped"), HasSubstr("applied, generation 4"));
+  EXPECT_THAT(daemon.answer("capped"), HasSubstr("applied, generation 5"));
   EXPECT_EQ(daemon.ask("param.get", {{"address", "first.core.gain"}})["value"], 1.0);
   EXPECT_EQ(daemon.events("rolled_back", "not confirmed before calm was carried out"), 1U);
 }

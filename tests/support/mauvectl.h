@@ -2,6 +2,8 @@
 /// mauvectl as a process of a test. MAUVE_BIN_DIR is defined by the CMakeLists.txt of the test.
 #pragma once
 
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,10 +12,11 @@
 
 namespace mauve::test {
 
-/// How a program ended, and its standard output.
+/// How a program ended, and its output.
 struct Said {
   int exit = -1;
   std::string out;
+  std::string err = {};  ///< empty where it went to nowhere
 };
 
 /// The command line of `mauvectl WORDS...` for the mauved on this socket.
@@ -29,7 +32,9 @@ inline Said mauvectl(const std::string& socket, const std::vector<std::string>& 
                      const std::string& errors = "/dev/null") {
   Process client(mauvectl_words(socket, words), errors);
   std::string out = client.all_output();
-  return {client.wait(), std::move(out)};
+  const int exit = client.wait();
+  std::ifstream file(errors);
+  return {exit, std::move(out), {std::istreambuf_iterator<char>(file), {}}};
 }
 
 }  // namespace mauve::test
