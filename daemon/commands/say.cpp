@@ -81,4 +81,17 @@ void say_who_stands(Running& running, const Change& change, Asked asked, Json& r
   }
 }
 
+std::vector<std::string> notes_on_starts(const std::vector<arch::Line>& lines,
+                                         const std::string& source, bool dry_run) {
+  std::vector<std::string> notes;
+  for (const auto& line : lines) {
+    if (line.kind == "start" && line.before == Value(false) && line.after == Value(true)) {
+      notes.push_back(line.address.substr(0, line.address.find('.')) + " " +
+                      (dry_run ? "will start" : "starts") + ": it was stopped, and " + source +
+                      " has it running");
+    }
+  }
+  return notes;
+}
+
 }  // namespace mauve::daemon

@@ -40,4 +40,9 @@ enum class Asked : std::uint8_t { in_force, dry_run };
 /// would leave as they are.
 void say_who_stands(Running& running, const Change& change, Asked asked, Json& result);
 
+/// Notes on components that a file or a saved generation (`source`) starts. A user may have stopped
+/// them for a reason.
+[[nodiscard]] std::vector<std::string> notes_on_starts(const std::vector<arch::Line>& lines,
+                                                       const std::string& source, bool dry_run);
+
 }  // namespace mauve::daemon

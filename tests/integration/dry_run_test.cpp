@@ -22,8 +22,9 @@ Words consequences(const std::string& text, const Words& sentences) {
   return all;
 }
 
-class DryRun : public testing::Test {
+class PrintedDryRun : public testing::Test {
  protected:
+  void SetUp() override { daemon.ask("status.get"); }  // it has started
   /// Runs the command dry, then in earnest: both print the same. Returns that.
   std::string same_in_both(Words words, const std::string& done) {
     const auto real = words;
@@ -42,17 +43,17 @@ class DryRun : public testing::Test {
   TrialDaemon daemon{unguarded()};
 };
 
-TEST_F(DryRun, OfAValuePrintsTheWarningsOfTheChange) {
+TEST_F(PrintedDryRun, OfAValuePrintsTheWarningsOfTheChange) {
   EXPECT_THAT(same_in_both({"set", "first.fsm.period=100us", "--probation=off"}, "set first"),
               HasSubstr("\nwarning: "));
 }
 
-TEST_F(DryRun, OfADisconnectionPrintsTheReadersThatGetNothing) {
+TEST_F(PrintedDryRun, OfADisconnectionPrintsTheReadersThatGetNothing) {
   EXPECT_THAT(same_in_both({"disconnect", "first.ports.output", "--probation=off"}, "disconnected"),
               HasSubstr("\nwarning: first.ports.output"));
 }
 
-TEST_F(DryRun, OfASwapPrintsThePropertiesAndTheStateThatAreGone) {
+TEST_F(PrintedDryRun, OfASwapPrintsThePropertiesAndTheStateThatAreGone) {
   ASSERT_EQ(daemon
                 .ctl({"swap-core", "first", "trial/brittle", "--set", "until_there=nowhere",
                       "--set", "gain=2", "--probation=off"})
@@ -68,14 +69,14 @@ TEST_F(DryRun, OfASwapPrintsThePropertiesAndTheStateThatAreGone) {
   EXPECT_THAT(printed, HasSubstr("is dropped"));
 }
 
-TEST_F(DryRun, OfASwapPrintsThatTheComponentStaysStopped) {
+TEST_F(PrintedDryRun, OfASwapPrintsThatTheComponentStaysStopped) {
   ASSERT_EQ(daemon.ctl({"stop", "first"}).exit, 0);
 
   EXPECT_THAT(same_in_both({"swap-core", "first", "trial/other", "--probation=off"}, "swapped"),
               HasSubstr("first is stopped and does not run: mauvectl start first"));
 }
 
-TEST_F(DryRun, OfAFilePrintsTheWarningsOfTheChange) {
+TEST_F(PrintedDryRun, OfAFilePrintsTheWarningsOfTheChange) {
   auto text = unguarded();
   const std::string before = R"("2ms")";
   const auto file = daemon.place().write(
@@ -85,7 +86,7 @@ TEST_F(DryRun, OfAFilePrintsTheWarningsOfTheChange) {
               HasSubstr("\nwarning: "));
 }
 
-TEST_F(DryRun, OfASwapToTheSameCorePrintsThatItIsMadeAnewAndItsStateDropped) {
+TEST_F(PrintedDryRun, OfASwapToTheSameCorePrintsThatItIsMadeAnewAndItsStateDropped) {
   const auto printed =
       same_in_both({"swap-core", "first", "trial/steady", "--state", "drop", "--probation=off"},
                    "swapped first");
@@ -94,7 +95,7 @@ TEST_F(DryRun, OfASwapToTheSameCorePrintsThatItIsMadeAnewAndItsStateDropped) {
   EXPECT_THAT(printed, HasSubstr("- first.core.state: "));
 }
 
-TEST_F(DryRun, OfASwapInPlaceIsRefusedInTheWordsOfTheUser) {
+TEST_F(PrintedDryRun, OfASwapInPlaceIsRefusedInTheWordsOfTheUser) {
   const auto refused = daemon.ctl({"swap-core", "first", "trial/other", "--in-place", "--dry-run"});
 
   EXPECT_EQ(refused.exit, 1);
@@ -102,7 +103,7 @@ TEST_F(DryRun, OfASwapInPlaceIsRefusedInTheWordsOfTheUser) {
   EXPECT_THAT(refused.err, HasSubstr("hint   : leave out --in-place "));
 }
 
-TEST_F(DryRun, OfASwapWithAPropertyThatTheNewCoreLacksNamesThisCore) {
+TEST_F(PrintedDryRun, OfASwapWithAPropertyThatTheNewCoreLacksNamesThisCore) {
   ASSERT_EQ(daemon.ctl({"swap-core", "first", "trial/brittle", "--probation=off"}).exit, 0);
 
   const auto refused =

@@ -40,7 +40,7 @@ TEST(SwapInPlace, RefusesWhatItCannotTryOut) {
   const auto refused = daemon.ask("core.swap", params);
   EXPECT_EQ(refused["data"]["where"], "misses") << refused;
   EXPECT_EQ(refused["data"]["state"], "unchanged");
-  EXPECT_EQ(refused["data"]["hint"], "leave out misses, or in_place");
+  EXPECT_EQ(refused["data"]["hint"], "leave out --misses, or --in-place");
   auto off = swap;
   off["probation"] = "off";
   EXPECT_FALSE(daemon.ask("core.swap", off).contains("probation"));

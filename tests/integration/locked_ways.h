@@ -41,6 +41,8 @@ inline bool is_held(const Way& way, const std::string& lock) {
 /// Of a line of an answer.
 inline unsigned effect_of(const Json& line) {
   const auto kind = line["kind"].get<std::string>();
+  // A core made anew and its state go with the start or the swap that a lock judges.
+  if (kind == "state" || (kind == "core" && line["old"] == line["new"])) return 0;
   if (kind == "property") return kProperty;
   if (kind == "start") return line["new"] == true ? kStart : kStop;
   const bool with_values = line["new"].is_object() && line["new"].contains("properties");

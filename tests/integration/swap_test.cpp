@@ -137,7 +137,6 @@ TEST(Connect, ChangesNothingWhenItIsRefused) {
     return daemon.ask("port.connect", {{"port", port}, {"service", service}})["data"]["name"];
   };
 
-  EXPECT_EQ(connecting("second.ports.input", "signal.read"), "duplicate");
   EXPECT_EQ(connecting("first.ports.input", "signal.write"), "type_mismatch");
   EXPECT_EQ(connecting("first.ports.input", "count.read"), "type_mismatch");
   EXPECT_EQ(connecting("first.ports.inptu", "signal.read"), "unknown_name");

@@ -149,7 +149,9 @@ class Application final : public ChangeHooks {
       result["dry_run"] = true;
     }
     auto notes = notes_on_builds();
-    std::ranges::move(notes_on_starts(), std::back_inserter(notes));
+    const auto source = saved_ ? "generation " + std::to_string(saved_->number) : "the file";
+    std::ranges::move(notes_on_starts(difference_.lines, source, dry_run_),
+                      std::back_inserter(notes));
     say_notes(notes, result);
   }
   [[nodiscard]] std::optional<std::vector<arch::Line>> lines() const override {
@@ -166,19 +168,6 @@ class Application final : public ChangeHooks {
                       short_build(one.recorded) + " of " + one.plugin + ", and build " +
                       short_build(one.runs) + " runs: a rollback brings no code back; " +
                       remedy_of(one));
-    }
-    return notes;
-  }
-  /// The file starts a component that a user may have stopped for a reason.
-  [[nodiscard]] std::vector<std::string> notes_on_starts() const {
-    std::vector<std::string> notes;
-    for (const auto& line : difference_.lines) {
-      if (line.kind == "start" && line.before == Value(false) && line.after == Value(true)) {
-        notes.push_back(line.address.substr(0, line.address.find('.')) + " " +
-                        (dry_run_ ? "will start" : "starts") + ": it was stopped, and " +
-                        (saved_ ? "generation " + std::to_string(saved_->number) : "the file") +
-                        " has it running");
-      }
     }
     return notes;
   }

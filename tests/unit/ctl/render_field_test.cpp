@@ -17,9 +17,9 @@ TEST(RenderObject, WritesDurationsInstantsAndSizesWithUnits) {
   EXPECT_EQ(render_object(object, {}),
             "address  heater\n"
             "counters\n"
-            "  elapsed_max  50.9 us\n"
-            "  late           0 ns\n"
-            "  next_release   T0 + 3.940000000 s\n"
+            "  elapsed_max   50.9 us\n"
+            "  late          0 ns\n"
+            "  next_release  T0 + 3.940000000 s\n"
             "task\n"
             "  budget    2ms\n"
             "  deadline  none\n"

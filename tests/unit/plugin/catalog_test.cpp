@@ -104,7 +104,8 @@ TEST_F(CatalogTest, KnowsThePlainTypesWithoutAnyPlugin) {
     EXPECT_EQ((*type)->name, name);
     EXPECT_TRUE((*type)->flat);
   }
-  EXPECT_EQ(catalog_.type("duoble").error().hint, "did you mean \"double\"?");
+  EXPECT_EQ(catalog_.type("duoble").error().hint,
+            "did you mean \"double\"? A plugin registers its type: plugin.type<T>()");
 }
 
 TEST_F(CatalogTest, KnowsTheDescribedTypesOfPlugins) {
