@@ -1,14 +1,28 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "monitor/makers.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace mauve::daemon {
 
 void Makers::remember(std::uint64_t generation, Maker maker) {
-  makers_.insert_or_assign(generation, std::move(maker));
+  makers_.emplace(generation, std::move(maker));
   if (makers_.size() > kMost) {
     makers_.erase(makers_.begin());
+  }
+}
+
+void Makers::rely(const std::vector<OpenProbation>& open, const rules::Steps& steps,
+                  const Maker& maker) {
+  for (const auto& one : open) {
+    const auto concerns = [&one](const rules::Step& step) {
+      const auto component = step.subject.substr(0, step.subject.find('.'));
+      return std::ranges::find(one.components, component) != one.components.end();
+    };
+    if (!one.rolls_back && std::ranges::any_of(steps, concerns)) {
+      remember(one.generations.back(), maker);
+    }
   }
 }
 
@@ -16,10 +30,13 @@ std::vector<std::size_t> Makers::forget(const std::vector<std::uint64_t>& genera
                                         std::uint64_t adoption) {
   std::vector<std::size_t> rules;
   for (const auto generation : generations) {
-    const auto made = makers_.extract(generation);
-    if (made && made.mapped().rule && made.mapped().adoption == adoption) {
-      rules.push_back(*made.mapped().rule);
+    const auto [first, last] = makers_.equal_range(generation);
+    for (auto made = first; made != last; ++made) {
+      if (made->second.rule && made->second.adoption == adoption) {
+        rules.push_back(*made->second.rule);
+      }
     }
+    makers_.erase(first, last);
   }
   return rules;
 }
@@ -28,15 +45,14 @@ std::vector<std::string> Makers::notes_on(const std::vector<std::uint64_t>& gene
                                           std::uint64_t adoption) const {
   std::vector<std::string> notes;
   for (const auto generation : generations) {
-    const auto made = makers_.find(generation);
-    if (made == makers_.end()) {
-      continue;
+    const auto [first, last] = makers_.equal_range(generation);
+    for (auto made = first; made != last; ++made) {
+      const auto& [by, rule, of] = made->second;
+      notes.push_back(
+          "generation " + std::to_string(generation) +
+          (by.starts_with("by") ? " was made " : " is ") + by +
+          (rule && of == adoption ? ", which fires again while its condition holds" : ""));
     }
-    const auto& [by, rule, of] = made->second;
-    notes.push_back(
-        "generation " + std::to_string(generation) +
-        (by.starts_with("by") ? " was made " : " was ") + by +
-        (rule && of == adoption ? ", which fires again while its condition holds" : ""));
   }
   return notes;
 }

@@ -9,19 +9,26 @@
 #include <string>
 #include <vector>
 
+#include "rules/supervision.h"
+
+#include <mauve/host/probation.h>
+
 namespace mauve::daemon {
 
 /// [control] Remembers the newest kMost generations.
 class Makers {
  public:
   struct Maker {
-    std::string by;                   ///< "by rule gnss_lost", "requested by pilot"
+    std::string by;  ///< "by rule gnss_lost", "requested by pilot", "relied on by rule gnss_lost"
     std::optional<std::size_t> rule;  ///< the rule, of the supervision with this number:
     std::uint64_t adoption = 0;
   };
   static constexpr std::size_t kMost = 1024;
 
   void remember(std::uint64_t generation, Maker maker);
+  /// These steps had nothing to do. Where a change on probation made them true, its undo undoes
+  /// them as well.
+  void rely(const std::vector<OpenProbation>& open, const rules::Steps& steps, const Maker& maker);
   /// These generations were rolled back. Returns the rules of this supervision that made some.
   std::vector<std::size_t> forget(const std::vector<std::uint64_t>& generations,
                                   std::uint64_t adoption);
@@ -30,7 +37,7 @@ class Makers {
                                                   std::uint64_t adoption) const;
 
  private:
-  std::map<std::uint64_t, Maker> makers_;  // by generation
+  std::multimap<std::uint64_t, Maker> makers_;  // by generation
 };
 
 }  // namespace mauve::daemon

@@ -297,6 +297,9 @@ void Supervisor::conclude(const Dispatch& dispatch, const server::Outcome& outco
     if (text_or(receipt, "state") == "applied") {
       makers_.remember(receipt["generation"].get<std::uint64_t>(),
                        {dispatch.by, dispatch.rule, adoptions_});
+    } else {
+      makers_.rely(running_->deployer.probations(), dispatch.steps,
+                   {"relied on " + dispatch.by, dispatch.rule, adoptions_});
     }
     answer = text_or(receipt, "state") + ", generation " + receipt["generation"].dump();
     const auto lines = changes_of(receipt);

@@ -29,7 +29,7 @@ bool rolls_back_unconfirmed(Running& running, const Change& change,
     const bool waits = open.rules.confirm_within > Duration{0} && !open.rolls_back;
     if (waits && shares(open)) {
       return running.deployer
-          .undo("not confirmed before " + transaction + " was carried out", open.generations.back())
+          .undo("not confirmed before " + transaction + " began", open.generations.back())
           .has_value();
     }
   }

@@ -19,7 +19,7 @@ TEST(Rules, OutrankAChangeThatWaitsForItsConfirmation) {
   ASSERT_TRUE(daemon.fired("capped", 1)) << daemon.rule("capped");
   EXPECT_THAT(daemon.answer("capped"), HasSubstr("applied, generation 5"));
   EXPECT_EQ(daemon.ask("param.get", {{"address", "first.core.gain"}})["value"], 1.0);
-  EXPECT_EQ(daemon.events("rolled_back", "not confirmed before calm was carried out"), 1U);
+  EXPECT_EQ(daemon.events("rolled_back", "not confirmed before calm began"), 1U);
 }
 
 TEST(Rules, FireAgainWhenTheirActionIsUndone) {
@@ -36,6 +36,22 @@ TEST(Rules, FireAgainWhenTheirActionIsUndone) {
   }
   EXPECT_TRUE(daemon.fired("capped", 2)) << daemon.rule("capped");
   EXPECT_EQ(daemon.ask("param.get", {{"address", "first.core.gain"}})["value"], 1.0);
+}
+
+TEST(Rules, FireAgainWhenTheChangeThatTheyReliedOnIsUndone) {
+  RulesDaemon daemon(supervised(
+      R"({ "name": "loud", "when": "first.core.gain > 5", "do": "deaf", "cool_down": "1ms" })"));
+  daemon.ask("port.disconnect", {{"port", "second.ports.input"}});
+  daemon.ask("param.set", {{"values", {{"first.core.gain", 6.0}}}, {"probation", "off"}});
+  ASSERT_TRUE(daemon.fired("loud", 1)) << daemon.rule("loud");
+  ASSERT_THAT(daemon.answer("loud"), HasSubstr("unchanged"));
+
+  const auto undone = daemon.ask("change.undo");
+
+  EXPECT_THAT(undone["notes"].dump(), HasSubstr("generation 2 is relied on by rule loud, which "
+                                                "fires again while its condition holds"));
+  EXPECT_TRUE(daemon.fired("loud", 2)) << daemon.rule("loud");
+  EXPECT_EQ(daemon.service("second.ports.input"), nullptr);
 }
 
 }  // namespace

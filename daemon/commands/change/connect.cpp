@@ -39,7 +39,8 @@ Status add_connection(const Running& running, const Json& params, const std::str
   const auto* present = connection(target->element, *target->port);
   if (present != nullptr) {
     const auto service = running.architecture.find_service(name);
-    if (service && &present->service() == *service && present->max_age() == max_age) {
+    const bool same_age = !params.contains("max_age") || present->max_age() == max_age;
+    if (service && &present->service() == *service && same_age) {
       return ok();
     }
     if (service) {

@@ -28,6 +28,9 @@ bool ends_a_probation(const Outcome& outcome) {
 /// "/usr/lib/mauve/plugins/slip.so held build fa032653 at the reload, and the next start or reload
 /// of slip loads this file: put build 9651293e in its place"
 std::string on_file(const plugin::PluginInfo& undone, const plugin::PluginInfo& former) {
+  if (undone.build_id == former.build_id) {
+    return "its file held the same build at the reload";
+  }
   return undone.file + " held build " + short_build(undone.build_id) +
          " at the reload, and the next start or reload of " + undone.name +
          " loads this file: put build " + short_build(former.build_id) + " in its place";

@@ -262,6 +262,9 @@ void begin_undo(Running& running, const CallPtr& call, const ChangeOnProbation& 
   const auto generation = wanted_generation(*call);
   if (auto begun = running.deployer.undo(text, generation); !begun) {
     auto error = begun.error();
+    if (generation > running.deployer.generation()) {
+      error.message = "there is no generation " + std::to_string(generation) + " yet";
+    }
     error.hint = generation == 0 ? step_without_undo(running)
                                  : "mauvectl status shows the changes on probation, and mauvectl "
                                    "rollback N goes back to a saved generation";

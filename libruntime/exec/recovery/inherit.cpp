@@ -304,7 +304,7 @@ std::vector<std::string> notes_of(const System& system, const Content& change) {
                                : " is still on probation, and this change joins it: `undo` or a "
                                  "failure takes back both together") +
                       ", back to before generation " + first +
-                      "; a `mauvectl confirm` before this change would have kept " +
+                      "; only a `mauvectl confirm` before this change keeps " +
                       (several ? "the older ones" : "the older one"));
     } else {
       notes.push_back("the probation of " + generations_in_words(open.generations) + " (" + names +

@@ -74,9 +74,10 @@ void note_fresh(const std::string& at, const CoreBase& from, const CoreBase& int
 void note_one_way(const std::string& at, const CoreBase& now, const CoreBase& before,
                   StatePolicy policy, std::vector<std::string>& notes) {
   if (&now != &before && policy != StatePolicy::drop && !declares_state(before)) {
-    notes.push_back(at +
-                    ": a rollback continues with the values of the core from before the change: "
-                    "that core declares no state to take over, so its outputs may jump");
+    notes.push_back(
+        at +
+        ": a rollback returns to the values that the core before had at the change, since "
+        "it declares no state; its outputs may jump");
   }
   if (before.state() == nullptr || plan_hand_over(now, before, policy)) return;
   notes.push_back(at + ": a rollback continues with the state from before the change (" +

@@ -264,8 +264,8 @@ TEST_F(HandOver, SaysBeforeAndAfterAConversionThatARollbackContinuesWithTheEarli
 TEST_F(HandOver, SaysThatACoreBeginsFreshWhereTheCoreBeforeDeclaresNoState) {
   ASSERT_TRUE(swap<ramp::Forgetful>(StatePolicy::drop));
   const std::string back =
-      "control: a rollback continues with the values of the core from before the change: that core "
-      "declares no state to take over, so its outputs may jump";
+      "control: a rollback returns to the values that the core before had at the change, since it "
+      "declares no state; its outputs may jump";
   const std::vector<std::string> notes = {
       "control: the new core begins fresh, since the core before declares neither a state to hand "
       "over (mauve::State) nor that it has none (mauve::Stateless)",

@@ -136,7 +136,7 @@ TEST_F(Joining, ANewerChangeOfTheSameComponentRollsBackToWhatWasProvenLast) {
   const Receipt joined = apply({to<Failing>("left")});
   ASSERT_EQ(joined.notes.size(), 1u);
   EXPECT_THAT(joined.notes[0],
-              HasSubstr("back to before generation 2; a `mauvectl confirm` before"));
+              HasSubstr("back to before generation 2; only a `mauvectl confirm` before"));
 
   const std::vector<Outcome> ends = report_after(300ms);
 
