@@ -22,6 +22,13 @@ Words consequences(const std::string& text, const Words& sentences) {
   return all;
 }
 
+/// `first` declares a budget that fits into its period of 2 ms, and into none of 1 ms.
+std::string declared() {
+  std::string text = unguarded();
+  const std::string watchdog = R"("watchdog": "1h")";
+  return text.insert(text.find(watchdog) + watchdog.size(), R"(, "budget": "1500us")");
+}
+
 class PrintedDryRun : public testing::Test {
  protected:
   void SetUp() override { daemon.ask("status.get"); }  // it has started
@@ -40,11 +47,11 @@ class PrintedDryRun : public testing::Test {
     return planned.out;
   }
 
-  TrialDaemon daemon{unguarded()};
+  TrialDaemon daemon{declared()};
 };
 
 TEST_F(PrintedDryRun, OfAValuePrintsTheWarningsOfTheChange) {
-  EXPECT_THAT(same_in_both({"set", "first.fsm.period=100us", "--probation=off"}, "set first"),
+  EXPECT_THAT(same_in_both({"set", "first.fsm.period=1ms", "--probation=off"}, "set first"),
               HasSubstr("\nwarning: "));
 }
 
@@ -77,10 +84,10 @@ TEST_F(PrintedDryRun, OfASwapPrintsThatTheComponentStaysStopped) {
 }
 
 TEST_F(PrintedDryRun, OfAFilePrintsTheWarningsOfTheChange) {
-  auto text = unguarded();
+  auto text = declared();
   const std::string before = R"("2ms")";
-  const auto file = daemon.place().write(
-      "fast.json", text.replace(text.find(before), before.size(), R"("100us")"));
+  const auto file =
+      daemon.place().write("fast.json", text.replace(text.find(before), before.size(), R"("1ms")"));
 
   EXPECT_THAT(same_in_both({"apply", file.string(), "--probation=off"}, "applied"),
               HasSubstr("\nwarning: "));
