@@ -49,8 +49,8 @@ class Engine {
   /// tries again while its condition holds.
   void answered(std::size_t rule, std::string answer, bool again = false);
 
-  /// The change that the firing made was undone: the rule fires again while its condition
-  /// holds.
+  /// The change that the firing made, or that left it nothing to do, was undone: the rule fires
+  /// again while its condition holds.
   void undone(std::size_t rule);
 
   [[nodiscard]] Report report(std::size_t rule, Instant now, const Read& read) const;

@@ -47,7 +47,8 @@ void note_fresh(const std::string& at, const CoreBase& from, const CoreBase& int
                 StatePolicy policy, std::vector<std::string>& notes);
 
 /// Adds a note when the rollback from `now` to `before` cannot hand the state over: `before` has no
-/// converter from it, or declares none, so it continues with what it had.
+/// converter from it, or declares no state. `before` then continues with its state from before the
+/// change.
 void note_one_way(const std::string& at, const CoreBase& now, const CoreBase& before,
                   StatePolicy policy, std::vector<std::string>& notes);
 

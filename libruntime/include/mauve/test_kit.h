@@ -174,10 +174,8 @@ class ComponentBench : public Architecture {
   [[nodiscard]] ShellT& shell() { return component_.shell(); }  ///< of the component
   /// In force.
   [[nodiscard]] CoreT& core() { return static_cast<CoreT&>(component_.ComponentBase::core()); }
-  [[nodiscard]] FsmT& fsm() { return component_.fsm(); }  ///< of the component
-  [[nodiscard]] PortBench& ports() {
-    return ports_;
-  }  ///< reads and writes the services that its ports use
+  [[nodiscard]] FsmT& fsm() { return component_.fsm(); }    ///< of the component
+  [[nodiscard]] PortBench& ports() { return ports_; }       ///< the services of its ports
   [[nodiscard]] Deployer& deployer() { return deployer_; }  ///< for changes
   /// Counts, state, times.
   [[nodiscard]] ComponentStatus status() const { return deployer_.status("component"); }
