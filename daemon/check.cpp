@@ -116,7 +116,7 @@ int check_file(const Options& options) {
   }
   const auto timing = exec::analyze(*architecture, options.machine);
   auto notes = Wiring(*architecture).notes();
-  std::ranges::copy(arch::notes_on(supervision, *architecture), std::back_inserter(notes));
+  std::ranges::copy(arch::notes_on(supervision, *architecture, catalog), std::back_inserter(notes));
   std::cout << good;
   if (!notes.empty()) {
     std::cout << ", " << notes.size() << (notes.size() == 1 ? " note" : " notes")

@@ -210,7 +210,7 @@ Status Daemon::deploy() {
   if (options_.realtime == Realtime::off) {
     log_.write(Event::realtime_off);
   }
-  log_start_warnings(log_, *deployer_, *architecture_, supervisor_.supervision());
+  log_start_warnings(log_, *deployer_, *architecture_, catalog_, supervisor_.supervision());
   return ok();
 }
 

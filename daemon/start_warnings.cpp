@@ -28,12 +28,13 @@ Event event_of(const std::string& warning) {
 }  // namespace
 
 void log_start_warnings(logging::Log& log, const Deployer& deployer,
-                        const Architecture& architecture, const rules::Supervision& supervision) {
+                        const Architecture& architecture, const plugin::Catalog& catalog,
+                        const rules::Supervision& supervision) {
   for (const auto& warning : deployer.warnings()) {
     log.write(event_of(warning), {{"text", warning}});
   }
   auto notes = Wiring(architecture).notes();
-  std::ranges::copy(arch::notes_on(supervision, architecture), std::back_inserter(notes));
+  std::ranges::copy(arch::notes_on(supervision, architecture, catalog), std::back_inserter(notes));
   for (const auto& note : notes) {
     log.write(Event::connection_doubtful, {{"text", to_string(note)}, {"at", note.address}});
   }

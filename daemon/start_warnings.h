@@ -14,9 +14,10 @@
 namespace mauve::daemon {
 
 /// [main] Logs each warning of the deployer, each connection that may be a mistake, and each
-/// transaction that these connections keep from taking effect.
+/// transaction that is refused while the system is as the architecture has it.
 void log_start_warnings(logging::Log& log, const Deployer& deployer,
-                        const Architecture& architecture, const rules::Supervision& supervision);
+                        const Architecture& architecture, const plugin::Catalog& catalog,
+                        const rules::Supervision& supervision);
 
 /// [main] Logs each plugin that runs in another build than the one that this saved generation ran
 /// with.

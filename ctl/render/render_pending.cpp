@@ -37,6 +37,10 @@ std::string render_pending(const Json& status, Look look) {
   for (const Json& one : list_in(status, "unknown_values")) {
     add(word(one, "address") + " is " + word(one, "text") + ": mauvectl rules");
   }
+  for (const Json& one : list_in(status, "refused_rules")) {
+    add("rule " + word(one, "rule") + " has no effect: " + word(one, "answer") + " (" +
+        word(one, "why_not") + "): mauvectl rules");
+  }
   if (const auto recovered = word(status, "recovered"); number(status, "recovered") > 0) {
     add("this run began with generation " + recovered +
         " after a crash or an upgrade, not with its file; to begin with the file: systemctl "

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "arch/build/build.h"
+#include "arch/build/check_rules.h"
 #include "arch/build/load.h"
 #include "arch/compare/diff_rules.h"
 #include "arch/parse/parse.h"
@@ -20,6 +21,7 @@ namespace {
 struct Made {
   std::unique_ptr<Architecture> architecture;
   rules::Supervision supervision;
+  std::vector<Wiring::Note> notes;  ///< on the transactions of the rules
 };
 
 bool is_loaded(const Question& question, const std::string& plugin) {
@@ -52,6 +54,9 @@ Made make(const Question& question, plugin::Catalog& catalog, arch::Problems& pr
     arch::load_plugins(*spec, catalog, problems);
     made.architecture = arch::build(*spec, catalog, problems, &made.supervision);
   }
+  if (problems.empty()) {
+    made.notes = arch::notes_on(made.supervision, *made.architecture, catalog);
+  }
   return made;
 }
 
@@ -82,8 +87,12 @@ void compare(const Question& question, const Made& running, Made& wanted,
   for (const auto& line : difference.lines) {
     lines.push_back(to_json(line));
   }
-  for (const auto& line : arch::compare(running.supervision, wanted.supervision)) {
+  const auto rules = arch::compare(running.supervision, wanted.supervision);
+  for (const auto& line : rules) {
     lines.push_back(to_json(line));
+  }
+  for (const auto& note : rules.empty() ? std::vector<Wiring::Note>() : wanted.notes) {
+    result["notes"].push_back(to_string(note));
   }
   result["same"] = lines.empty();
   result["lines"] = std::move(lines);

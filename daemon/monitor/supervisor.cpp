@@ -163,6 +163,18 @@ Json Supervisor::lost_values() const {
   return rows;
 }
 
+Json Supervisor::refused_rules() const {
+  MAUVE_ON_THREAD(control);
+  Json rows = Json::array();
+  for (const auto rule : engine_.refused()) {
+    const auto report = engine_.report(rule, running_->deployer.clock().now(), reader());
+    rows.push_back({{"rule", engine_.rules()[rule].name},
+                    {"answer", report.answer},
+                    {"why_not", report.why_not}});
+  }
+  return rows;
+}
+
 const rules::Steps& Supervisor::steps_of(const rules::Rule& rule) const {
   return rule.transaction.empty() ? rule.steps : *supervision_.find(rule.transaction);
 }
@@ -190,9 +202,10 @@ void Supervisor::fire(std::size_t index) {
   running_->log.write(
       Event::rule_fired,
       {{"rule", rule.name}, {"transaction", dispatch.transaction}, {"text", values}});
-  dispatch.done = [this, index, adoption = adoptions_](const std::string& answer, bool again) {
+  dispatch.done = [this, index, adoption = adoptions_](const std::string& answer,
+                                                       rules::Ended ended) {
     if (adoption == adoptions_) {
-      engine_.answered(index, answer, again);
+      engine_.answered(index, answer, ended);
     }
   };
   carry_out(std::move(dispatch));
@@ -229,7 +242,8 @@ void Supervisor::serve(const std::string& component, const std::string& transact
                                            "is under way already, by an earlier request"));
   }
   dispatch.steps = *steps;
-  dispatch.done = [this, component, transaction](const std::string& /*answer*/, bool /*again*/) {
+  dispatch.done = [this, component, transaction](const std::string& /*answer*/,
+                                                 rules::Ended /*ended*/) {
     under_way_.erase({component, transaction});
   };
   carry_out(std::move(dispatch));
@@ -281,7 +295,7 @@ void Supervisor::conclude(const Dispatch& dispatch, const server::Outcome& outco
     fields.push_back({"component", dispatch.component});
   }
   std::string answer;
-  bool again = false;
+  auto ended = rules::Ended::done;
   if (const auto* fault = std::get_if<Fault>(&outcome)) {
     const bool unsafe = fault->state != "unchanged";
     fields.push_back({"text", said(*fault)});
@@ -291,7 +305,9 @@ void Supervisor::conclude(const Dispatch& dispatch, const server::Outcome& outco
                         std::move(fields));
     answer = (unsafe ? "unsafe: " : "refused: ") + said(*fault);
     // A hook that hangs would keep one more thread at each try.
-    again = !unsafe && !keeps_a_thread && is_a_matter_of_time(*fault);
+    if (!unsafe && !keeps_a_thread) {
+      ended = is_a_matter_of_time(*fault) ? rules::Ended::not_now : rules::Ended::refused;
+    }
   } else {
     const auto& receipt = std::get<Json>(outcome);
     if (text_or(receipt, "state") == "applied") {
@@ -312,7 +328,7 @@ void Supervisor::conclude(const Dispatch& dispatch, const server::Outcome& outco
     running_->log.write(Event::transaction_applied, std::move(fields));
   }
   if (dispatch.done) {
-    dispatch.done(answer, again);
+    dispatch.done(answer, ended);
   }
 }
 

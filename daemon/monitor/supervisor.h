@@ -54,6 +54,8 @@ class Supervisor {
   [[nodiscard]] std::uint64_t adoptions() const { return adoptions_; }
   /// The unknown values that rules look at, with the consequences. [control]
   [[nodiscard]] Json lost_values() const;
+  /// The rules whose transaction is refused while their condition holds. [control]
+  [[nodiscard]] Json refused_rules() const;
   /// One row a rule, of one rule only when it is named. [control]
   [[nodiscard]] Result<Json> list(const std::string& rule) const;
 
@@ -64,8 +66,7 @@ class Supervisor {
     std::string by;           ///< "by rule gnss_lost"
     std::string component;    ///< that requested it; may be empty
     rules::Steps steps;
-    /// `again`: it was refused because this was not the time.
-    std::function<void(const std::string& answer, bool again)> done;
+    std::function<void(const std::string& answer, rules::Ended ended)> done;
     std::string values = {};               ///< of the rule's condition: "second.core.input is 6"
     std::optional<std::size_t> rule = {};  ///< that fired
   };

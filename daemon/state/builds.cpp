@@ -39,4 +39,15 @@ std::string remedy_of(const OtherBuild& one) {
          ", then mauvectl reload " + one.plugin;
 }
 
+std::vector<std::string> notes_on(std::uint64_t generation, const OtherBuilds& others) {
+  std::vector<std::string> notes;
+  for (const auto& one : others) {
+    notes.push_back("generation " + std::to_string(generation) + " ran build " +
+                    short_build(one.recorded) + " of " + one.plugin + ", and build " +
+                    short_build(one.runs) + " runs: a rollback brings no code back; " +
+                    remedy_of(one));
+  }
+  return notes;
+}
+
 }  // namespace mauve::daemon

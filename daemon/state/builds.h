@@ -3,6 +3,7 @@
 /// it ran with, and the code comes from the files of the plugins.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -38,5 +39,9 @@ using OtherBuilds = std::vector<OtherBuild>;
 
 /// "put build 9651293e in place of /usr/lib/mauve/plugins/slip.so, then mauvectl reload slip"
 [[nodiscard]] std::string remedy_of(const OtherBuild& one);
+
+/// A sentence on each of them, for a rollback to this generation, which brings no code back.
+[[nodiscard]] std::vector<std::string> notes_on(std::uint64_t generation,
+                                                const OtherBuilds& others);
 
 }  // namespace mauve::daemon

@@ -15,11 +15,16 @@ std::string seconds(Duration duration) {
   return text;
 }
 
+/// 1, 2, 4 s and so on up to a minute: a rule that is refused does not fill the log.
+Duration pause_after(unsigned refusals) {
+  return std::min<Duration>(1min, Duration{1s} * (1U << std::min(refusals - 1, 6U)));
+}
+
 }  // namespace
 
 Engine::Engine(std::vector<Rule> rules) : rules_(std::move(rules)) {
   for (const Rule& rule : rules_) {
-    watched_.push_back({Trigger(rule.timing), {}, false, {}, {}});
+    watched_.push_back({Trigger(rule.timing), {}, false, {}, {}, 0});
     const auto looks_at = [&](const Condition& condition) {
       for (const Comparison& one : condition.comparisons()) {
         std::vector<std::string>& names = seen_[one.address].rules;
@@ -77,17 +82,30 @@ std::vector<std::size_t> Engine::step(Instant now, const Read& read, const Held&
     Truth rearm = !when;
     if (rule.until) rearm = rule.until->evaluate(as_seen, watched.error);
     if (watched.waits_for_answer) rearm = Truth::no;
-    if (!watched.trigger.step(now, when, rearm, watched.held.empty())) continue;
+    const bool fires = watched.trigger.step(now, when, rearm, watched.held.empty());
+    if (watched.trigger.state() == State::armed) watched.refusals = 0;
+    if (!fires) continue;
     watched.waits_for_answer = true;
     fired.push_back(i);
   }
   return fired;
 }
 
-void Engine::answered(std::size_t rule, std::string answer, bool again) {
-  watched_[rule].waits_for_answer = false;
-  if (again) watched_[rule].trigger.try_again();
-  watched_[rule].answer = std::move(answer);
+void Engine::answered(std::size_t rule, std::string answer, Ended ended) {
+  Watched& watched = watched_[rule];
+  watched.waits_for_answer = false;
+  watched.answer = std::move(answer);
+  if (ended == Ended::not_now) watched.trigger.try_again();
+  if (ended == Ended::done) watched.refusals = 0;
+  if (ended == Ended::refused) watched.trigger.try_again(pause_after(++watched.refusals));
+}
+
+std::vector<std::size_t> Engine::refused() const {
+  std::vector<std::size_t> rules;
+  for (std::size_t i = 0; i < watched_.size(); ++i) {
+    if (watched_[i].refusals > 0) rules.push_back(i);
+  }
+  return rules;
 }
 
 void Engine::undone(std::size_t rule) {
@@ -129,6 +147,7 @@ std::string Engine::why_not(const Watched& watched, const Rule& rule, Instant no
       return "fired, to be armed again " +
              (rule.until ? "when " + rule.until->text() : "when the condition is false");
     case State::cooling_down:
+      if (watched.refusals > 0) return "tries again in " + seconds(trigger.cooling(now)) + " s";
       return "cooling down " + seconds(trigger.cooling(now)) + " s more";
     case State::limited:
       return "limit " + std::to_string(rule.timing.per_hour) + " an hour reached";

@@ -26,6 +26,13 @@ struct Report {
   std::string why_not;          ///< it does not fire now: "holds for 0.4 of 2 s"
 };
 
+/// How a firing ended.
+enum class Ended : std::uint8_t {
+  done,     ///< applied, or partly; or there was nothing to do
+  refused,  ///< nothing changed; the rule tries again, at growing pauses of 1 s to 1 min
+  not_now,  ///< the same, because of a lock or a change under way; it tries again after 1 s
+};
+
 /// Why this rule may not fire now; empty: it may.
 using Held = std::function<std::string_view(const Rule&)>;
 
@@ -45,9 +52,11 @@ class Engine {
   [[nodiscard]] const std::vector<SightChange>& changes() const { return changes_; }
   /// All values that are unknown now and were reported as such.
   [[nodiscard]] std::vector<SightChange> lost() const;
-  /// The result of the firing: "applied", "refused: ...". `again`: it was not its time, so the rule
-  /// tries again while its condition holds.
-  void answered(std::size_t rule, std::string answer, bool again = false);
+  /// The result of the firing: "applied", "refused: ...". A rule tries again while its condition
+  /// holds, and no sooner than after its cool_down.
+  void answered(std::size_t rule, std::string answer, Ended ended = Ended::done);
+  /// The rules whose transaction is refused while their condition holds, as indices.
+  [[nodiscard]] std::vector<std::size_t> refused() const;
 
   /// The change that the firing made, or that left it nothing to do, was undone: the rule fires
   /// again while its condition holds.
@@ -61,7 +70,8 @@ class Engine {
     std::string error;  ///< why the condition cannot be evaluated
     bool waits_for_answer = false;
     std::string answer;
-    std::string held;  ///< why it may not fire
+    std::string held;       ///< why it may not fire
+    unsigned refusals = 0;  ///< one after the other, while the condition holds
   };
 
   [[nodiscard]] std::string why_not(const Watched& watched, const Rule& rule, Instant now,

@@ -19,23 +19,23 @@ bool Trigger::step(Instant now, Truth when, Truth rearm, bool free) {
     state_ = State::held;
     return false;
   }
-  again_ = false;
+  pause_ = Duration{0};
   last_ = now;
   this_hour_.push_back(now);
   ++times_;
   return true;
 }
 
-void Trigger::try_again() {
+void Trigger::try_again(Duration pause) {
   if (state_ != State::fired) return;
-  fire_again();
+  fire_again(pause);
   this_hour_.pop_back();
 }
 
-void Trigger::fire_again() {
+void Trigger::fire_again(Duration pause) {
   if (state_ != State::fired) return;
   state_ = State::holding;
-  again_ = true;
+  pause_ = pause;
 }
 
 State Trigger::next(Instant now, Truth when, Truth rearm) {
@@ -61,8 +61,7 @@ Duration Trigger::held(Instant now) const { return Duration{since_ ? now - *sinc
 
 Duration Trigger::cooling(Instant now) const {
   if (!last_) return Duration{0};
-  const Duration pause = again_ ? std::max<Duration>(timing_.cool_down, 1s) : timing_.cool_down;
-  return std::max(Duration{0}, pause - Duration{now - *last_});
+  return std::max(Duration{0}, std::max(timing_.cool_down, pause_) - Duration{now - *last_});
 }
 
 }  // namespace mauve::rules

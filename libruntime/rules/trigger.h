@@ -39,12 +39,12 @@ class Trigger {
 
   /// True: fires now. `rearm` is the condition under which it may fire again; `free`: it may.
   [[nodiscard]] bool step(Instant now, Truth when, Truth rearm, bool free = true);
-  /// The firing had no effect: the rule fires again when it has cooled down, at least for a second,
-  /// if the condition still holds then. This time does not count for the hour.
-  void try_again();
+  /// The firing had no effect: the rule fires again when it has cooled down, at least for this
+  /// pause, if the condition still holds then. This time does not count for the hour.
+  void try_again(Duration pause = 1s);
 
   /// The effect of the firing was undone: the same, but this time counts for the hour.
-  void fire_again();
+  void fire_again(Duration pause = 1s);
 
   /// As of the last step.
   [[nodiscard]] State state() const { return state_; }
@@ -65,7 +65,7 @@ class Trigger {
   std::optional<Instant> last_;    // firing
   std::deque<Instant> this_hour_;  // firings
   std::uint64_t times_ = 0;
-  bool again_ = false;  // the last firing came to nothing
+  Duration pause_{0};  // at least, after a firing that came to nothing
 };
 
 }  // namespace mauve::rules

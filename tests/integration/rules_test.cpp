@@ -86,9 +86,9 @@ TEST(Rules, AreOnProbationOnlyWhenTheyBringSomethingThatMustProveItself) {
   EXPECT_TRUE(undone.contains("generation")) << undone;
 }
 
-TEST(Rules, ThatAreRefusedChangeNothingAndHaveFired) {
+TEST(Rules, ThatAreRefusedChangeNothingAndTryAgainWhileTheirConditionHolds) {
   RulesDaemon daemon(supervised(R"({ "name": "loud", "when": "second.core.input > 5",
-                                     "do": "worse", "cool_down": "1h" })"));
+                                     "do": "worse", "cool_down": "1ms" })"));
   const auto before = daemon.set("first.core.gain", 6.0);
 
   ASSERT_TRUE(daemon.fired("loud", 1)) << daemon.rule("loud");
@@ -98,14 +98,38 @@ TEST(Rules, ThatAreRefusedChangeNothingAndHaveFired) {
   EXPECT_EQ(daemon.service("second.ports.input"), "signal.read") << "all steps or none";
   EXPECT_EQ(daemon.ask("status.get")["generation"], before["generation"]);
   EXPECT_TRUE(eventually([&] { return daemon.events("transaction_refused", "liking") == 1; }));
-  EXPECT_EQ(daemon.rule("loud")["state"], "fired");
+  EXPECT_TRUE(eventually([&] { return daemon.rule("loud")["state"] == "cooling_down"; }));
+  EXPECT_THAT(daemon.rule("loud")["why_not"].get<std::string>(), HasSubstr("tries again in"));
+  const auto refused = daemon.ask("status.get")["refused_rules"];
+  ASSERT_EQ(refused.size(), 1U);
+  EXPECT_EQ(refused[0]["rule"], "loud");
+  EXPECT_THAT(daemon.ctl({"status"}).out, HasSubstr("rule loud has no effect: refused: "));
+  EXPECT_TRUE(daemon.fired("loud", 2)) << daemon.rule("loud");
 
   daemon.set("first.core.gain", 1.0);
   EXPECT_TRUE(eventually([&] { return daemon.rule("loud")["state"] == "armed"; }));
-  daemon.set("first.core.gain", 6.0);
-  EXPECT_TRUE(eventually([&] { return daemon.rule("loud")["state"] == "cooling_down"; }));
-  EXPECT_THAT(daemon.rule("loud")["why_not"].get<std::string>(), HasSubstr("cooling down"));
-  EXPECT_EQ(daemon.rule("loud")["fired"], 1);
+  EXPECT_THAT(daemon.ask("status.get")["refused_rules"], testing::IsEmpty());
+}
+
+/// The file has a core with a state, and the rule puts one in place that has no place for it.
+TEST(Rules, ThatWouldLoseAStateAreNamedWhenTheirFileIsCheckedStartedOrApplied) {
+  const auto lossy = supervised(R"({ "name": "loud", "when": "second.core.input > 5",
+      "do": [{ "swap": "second", "core": "trial/forgetful" }] })");
+  const auto note = HasSubstr(
+      "rules.loud.do is refused when it fires while second has the core of this file: "
+      "the new core has no place for the state");
+
+  RulesDaemon started(lossy);
+  EXPECT_TRUE(eventually([&] { return started.events("connection_doubtful", "rules.loud") == 1; }));
+  EXPECT_EQ(started.events("connection_doubtful", "has no place for the state"), 1U);
+
+  RulesDaemon daemon(supervised(kLoud));
+  for (const bool dry_run : {true, false}) {
+    const auto answer = daemon.ask("architecture.apply", {{"text", lossy}, {"dry_run", dry_run}});
+    EXPECT_THAT(answer["notes"].dump(), note) << answer;
+  }
+  const auto back = daemon.ask("architecture.diff", {{"text", supervised(kLoud)}});
+  EXPECT_FALSE(back.contains("notes")) << back;
 }
 
 /// Its condition comes true by itself, which no lock keeps it from.

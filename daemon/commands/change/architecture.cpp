@@ -19,6 +19,7 @@
 #include <string>
 #include <utility>
 
+#include "arch/build/check_rules.h"
 #include "arch/build/load.h"
 #include "arch/compare/diff_rules.h"
 #include "arch/text/value_json.h"
@@ -60,7 +61,12 @@ class Application final : public ChangeHooks {
   }
 
   /// [factory]
-  void load() { wanted_ = arch::load(text_, catalog_, problems_, &supervision_); }
+  void load() {
+    wanted_ = arch::load(text_, catalog_, problems_, &supervision_);
+    if (problems_.empty()) {
+      notes_on_rules_ = arch::notes_on(supervision_, *wanted_, catalog_);
+    }
+  }
   [[nodiscard]] const arch::Problems& problems() const { return problems_; }
   [[nodiscard]] const std::optional<Generation>& saved() const { return saved_; }
 
@@ -148,7 +154,13 @@ class Application final : public ChangeHooks {
     if (dry_run_) {
       result["dry_run"] = true;
     }
-    auto notes = notes_on_builds();
+    std::vector<std::string> notes;
+    if (saved_) {
+      notes = notes_on(saved_->number, other_builds(saved_->builds, catalog_));
+    }
+    for (const auto& note : supervises_ ? notes_on_rules_ : std::vector<Wiring::Note>()) {
+      notes.push_back(to_string(note));
+    }
     const auto source = saved_ ? "generation " + std::to_string(saved_->number) : "the file";
     std::ranges::move(notes_on_starts(difference_.lines, source, dry_run_),
                       std::back_inserter(notes));
@@ -160,17 +172,6 @@ class Application final : public ChangeHooks {
   [[nodiscard]] bool dry_run() const override { return dry_run_; }
 
  private:
-  /// A rollback to a saved generation brings no code back.
-  [[nodiscard]] std::vector<std::string> notes_on_builds() const {
-    std::vector<std::string> notes;
-    for (const auto& one : saved_ ? other_builds(saved_->builds, catalog_) : OtherBuilds()) {
-      notes.push_back("generation " + std::to_string(saved_->number) + " ran build " +
-                      short_build(one.recorded) + " of " + one.plugin + ", and build " +
-                      short_build(one.runs) + " runs: a rollback brings no code back; " +
-                      remedy_of(one));
-    }
-    return notes;
-  }
   [[nodiscard]] std::vector<arch::Line> all_lines() const {
     std::vector<arch::Line> lines;
     for (const auto& name : plugins_) {
@@ -196,6 +197,7 @@ class Application final : public ChangeHooks {
   arch::Difference difference_;
   bool elements_ = false;
   rules::Supervision supervision_;
+  std::vector<Wiring::Note> notes_on_rules_;
   std::uint64_t compared_with_ = 0;   // see Supervisor::adoptions()
   bool supervises_ = false;           // its rules, transactions or permissions are others
   std::vector<std::string> plugins_;  // not loaded yet

@@ -155,6 +155,7 @@ Result<Json> status(Running& running, const Call& /*call*/) {
                  {"probations", probations(running)},
                  {"notes", notes_of(running)},
                  {"unknown_values", running.supervisor.lost_values()},
+                 {"refused_rules", running.supervisor.refused_rules()},
                  {"recovered", running.recovered == 0 ? Json() : Json(running.recovered)},
                  {"quarantine", running.quarantined.size()}};
   if (running.guardian != nullptr) {

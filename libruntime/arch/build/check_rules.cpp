@@ -11,6 +11,9 @@
 #include "arch/parse/target.h"
 #include "arch/text/read.h"
 #include "mauve/host/architecture.h"
+#include "model/element/elements.h"
+#include "model/element/hand_over.h"
+#include "plugin/load/catalog.h"
 
 namespace mauve::arch {
 namespace {
@@ -132,8 +135,24 @@ rules::Supervision check_rules(const Spec& spec, const Architecture& architectur
 
 namespace {
 
-void add_note(const std::string& at, const rules::Steps& steps, const Architecture& architecture,
-              std::vector<Wiring::Note>& notes) {
+/// The core that the step puts in place, against the core that the architecture has there.
+Status check_state(const rules::Step& step, const Architecture& architecture,
+                   const plugin::Catalog& catalog) {
+  const auto component = find_component(architecture, step.subject);
+  const auto type = catalog.core(step.object);
+  if (!component || !type) return ok();  // gone since the file was read
+  const Bundle& present = *(*component)->bundle();
+  if (present.core_type.name == step.object) return ok();
+  std::shared_ptr<CoreBase> core;
+  const std::string address = step.subject + ".core";
+  if (Status made = make_element(address, type->make, core); !made) return made;
+  const auto policy = step.fresh ? StatePolicy::drop : StatePolicy::offer;
+  const Status good = check_hand_over(*present.core, *core, policy);
+  const Status gone = drop_elements(address, [&core] { core.reset(); });
+  return good ? gone : good;
+}
+
+Status check_wiring(const rules::Steps& steps, const Architecture& architecture) {
   Wiring after(architecture);
   for (const rules::Step& step : steps) {
     const bool connects = step.action == rules::Action::connect;
@@ -144,22 +163,38 @@ void add_note(const std::string& at, const rules::Steps& steps, const Architectu
     after.connect(target->element.name() + ".ports." + std::string(target->port->name()),
                   connects ? *service : nullptr);
   }
-  const Status good = after.check();
-  if (good) return;
-  notes.push_back({at, "is refused when it fires on the connections of this file: " +
-                           good.error().at + " " + good.error().message});
+  return after.check();
+}
+
+void add_notes(const std::string& at, const rules::Steps& steps, const Architecture& architecture,
+               const plugin::Catalog& catalog, std::vector<Wiring::Note>& notes) {
+  const std::string refused = "is refused when it fires ";
+  if (const Status good = check_wiring(steps, architecture); !good) {
+    notes.push_back({at, refused + "on the connections of this file: " + good.error().at + " " +
+                             good.error().message});
+  }
+  for (const rules::Step& step : steps) {
+    if (step.action != rules::Action::swap) continue;
+    const Status good = check_state(step, architecture, catalog);
+    if (good) continue;
+    const bool state = good.error().code == Errc::type_mismatch;
+    notes.push_back({at, refused + "while " + step.subject +
+                             " has the core of this file: " + good.error().message +
+                             (state ? "; \"state\": \"drop\" in the step permits it" : "")});
+  }
 }
 
 }  // namespace
 
 std::vector<Wiring::Note> notes_on(const rules::Supervision& supervision,
-                                   const Architecture& architecture) {
+                                   const Architecture& architecture,
+                                   const plugin::Catalog& catalog) {
   std::vector<Wiring::Note> notes;
   for (const auto& [name, steps] : supervision.transactions) {
-    add_note("transactions." + name, steps, architecture, notes);
+    add_notes("transactions." + name, steps, architecture, catalog, notes);
   }
   for (const rules::Rule& rule : supervision.rules) {
-    add_note("rules." + rule.name + ".do", rule.steps, architecture, notes);
+    add_notes("rules." + rule.name + ".do", rule.steps, architecture, catalog, notes);
   }
   return notes;
 }

@@ -70,11 +70,11 @@ bool may_leave(const CoreBase& into, StatePolicy policy) {
   return policy == StatePolicy::offer && into.stateless();
 }
 
-Status hand_over_slow(const CoreBase& from, const CoreBase& into, StatePolicy policy) {
+Status check_slow(const CoreBase& from, const CoreBase& into, StatePolicy policy) {
   if (from.slow_state() == nullptr) return ok();
   const SlowStateBase& old = *from.slow_state();
-  SlowStateBase* const place = into.slow_state();
-  if (takes(place, old)) return share(old, *place, into.address());
+  const SlowStateBase* const place = into.slow_state();
+  if (takes(place, old)) return ok();
   if (place == nullptr && may_leave(into, policy)) return ok();
   if (place == nullptr && into.stateless()) return state_would_vanish(into, old);
   return lost(into, old, place, "mauve::SlowState");
@@ -119,10 +119,18 @@ Result<HandOver> plan_hand_over(const CoreBase& from, const CoreBase& into, Stat
   return HandOver{old, place, convert, old->type().size};
 }
 
-Status prepare_hand_over(const CoreBase& from, const CoreBase& into, StatePolicy policy) {
+Status check_hand_over(const CoreBase& from, const CoreBase& into, StatePolicy policy) {
   if (policy == StatePolicy::drop) return ok();
   if (const auto plan = plan_hand_over(from, into, policy); !plan) return plan.error();
-  return hand_over_slow(from, into, policy);
+  return check_slow(from, into, policy);
+}
+
+Status prepare_hand_over(const CoreBase& from, const CoreBase& into, StatePolicy policy) {
+  if (Status good = check_hand_over(from, into, policy); !good) return good;
+  const SlowStateBase* const old = from.slow_state();
+  SlowStateBase* const place = into.slow_state();
+  if (policy == StatePolicy::drop || old == nullptr || !takes(place, *old)) return ok();
+  return share(*old, *place, into.address());
 }
 
 std::vector<const DataType*> dropped_states(const CoreBase& from, const CoreBase& into,

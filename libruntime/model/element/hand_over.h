@@ -49,8 +49,13 @@ struct HandOver {
 [[nodiscard]] Result<HandOver> plan_hand_over(const CoreBase& from, const CoreBase& into,
                                               StatePolicy policy);
 
+/// Does the new core take all states of the core in force, or may it leave them? Errors as of
+/// plan_hand_over(). [any], not on a real-time thread.
+[[nodiscard]] Status check_hand_over(const CoreBase& from, const CoreBase& into,
+                                     StatePolicy policy);
+
 /// Before the new core is configured, while the old one runs: shares or converts the slow state,
-/// and checks that there is a plan for the other state. Errors: type_mismatch, hook_threw.
+/// after check_hand_over(). Errors: type_mismatch, hook_threw.
 /// [factory]
 [[nodiscard]] Status prepare_hand_over(const CoreBase& from, const CoreBase& into,
                                        StatePolicy policy);

@@ -5,6 +5,7 @@
 
 #include "arch/build/check_rules.h"
 #include "model/component/wiring.h"
+#include "plugin/load/catalog.h"
 #include "support/outcomes.h"
 
 #include <mauve/host/architecture.h>
@@ -223,7 +224,8 @@ TEST(Notes, NameTransactionsThatWouldAddASecondWriter) {
   supervision.rules.push_back({"alone", *when, {}, {}, "", {take}});
   supervision.rules.push_back({"leave", *when, {}, {}, "", {give}});
 
-  const auto notes = arch::notes_on(supervision, robot);
+  const plugin::Catalog catalog;
+  const auto notes = arch::notes_on(supervision, robot, catalog);
 
   ASSERT_THAT(notes, SizeIs(2));
   EXPECT_EQ(notes[0].address, "transactions.take");

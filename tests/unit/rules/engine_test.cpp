@@ -85,9 +85,34 @@ TEST_F(Rules, AreNotArmedWhileTheirTransactionIsUnderWay) {
   values_["gnss.core.satellites"] = 3;
   EXPECT_EQ(after(engine, 10ms), Fired{});
   EXPECT_EQ(report(engine).answer, "under way");
-  engine.answered(0, "refused: it is late");
-  EXPECT_EQ(report(engine).answer, "refused: it is late");
-  EXPECT_EQ(after(engine, 10ms), Fired{}) << "refused or not, it has fired";
+  engine.answered(0, "applied");
+  EXPECT_EQ(report(engine).answer, "applied");
+  EXPECT_EQ(after(engine, 10ms), Fired{}) << "it has fired";
+}
+
+TEST_F(Rules, ThatAreRefusedTryAgainAtGrowingPausesWhileTheirConditionHolds) {
+  Engine engine({rule("few", "gnss.core.satellites < 4", {0s, 0s, 60})});
+  values_["gnss.core.satellites"] = 3;
+  EXPECT_EQ(after(engine, 10ms), Fired{0});
+
+  for (const Duration pause : std::vector<Duration>{1s, 2s, 4s, 8s, 16s, 32s, 1min, 1min}) {
+    engine.answered(0, "refused: its state would be lost", Ended::refused);
+    EXPECT_EQ(engine.refused(), Fired{0});
+    EXPECT_EQ(after(engine, pause - 10ms), Fired{});
+    EXPECT_EQ(report(engine).why_not, "tries again in 0.01 s");
+    EXPECT_EQ(after(engine, 10ms), Fired{0});
+  }
+  engine.answered(0, "refused: its state would be lost", Ended::refused);
+  values_["gnss.core.satellites"] = 9;
+  EXPECT_EQ(after(engine, 2min), Fired{});
+  EXPECT_EQ(engine.refused(), Fired{}) << "there is nothing to do any more";
+
+  values_["gnss.core.satellites"] = 3;
+  EXPECT_EQ(after(engine, 10ms), Fired{0});
+  engine.answered(0, "refused: its state would be lost", Ended::refused);
+  EXPECT_EQ(after(engine, 1s), Fired{0}) << "the pauses begin anew";
+  engine.answered(0, "applied");
+  EXPECT_EQ(engine.refused(), Fired{});
 }
 
 TEST_F(Rules, SayWhyTheyDoNotFire) {
