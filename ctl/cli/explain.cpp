@@ -141,6 +141,7 @@ Json brought_as(const Json& plugins, const std::string& name, std::vector<std::s
                {"plugin", name},
                {"version", word(plugin, "version")},
                {"file", word(plugin, "file")}};
+      for (const auto& [group, one] : kBrought) found[group] = list_in(plugin, group);
     }
     for (const auto& [group, what] : kBrought) {
       for (const Json& one : list_in(plugin, group)) {
@@ -164,6 +165,17 @@ std::string is_of(const Json& found) {
          word(found, "version");
 }
 
+/// The names that a plugin brings, as the architecture file takes them, a line for each kind.
+std::string names_of(const Json& found, const Session& session) {
+  std::string text;
+  for (const auto& [group, one] : kBrought) {
+    std::string names;
+    for (const Json& name : list_in(found, group)) join(names, compact(name));
+    if (!names.empty()) text += part(group, names, session);
+  }
+  return text;
+}
+
 int explain_brought(Session& session, const std::string& name) {
   std::vector<std::string> known = message_names();
   std::string list = "mauvectl explain lists all messages";
@@ -171,7 +183,8 @@ int explain_brought(Session& session, const std::string& name) {
   if (const auto* plugins = std::get_if<Json>(&answer)) {
     if (const Json found = brought_as(*plugins, name, known); !found.is_null()) {
       session.print(found, bold(name, session) + "\n" + part("is", is_of(found), session) +
-                               part("file", word(found, "file"), session));
+                               part("file", word(found, "file"), session) +
+                               names_of(found, session));
       return 0;
     }
     list += ", mauvectl plugins what plugins bring";

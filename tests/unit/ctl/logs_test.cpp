@@ -202,6 +202,7 @@ TEST(Explain, SaysWhichPluginBringsAName) {
   EXPECT_EQ(core.outcome.exit, 0);
   EXPECT_THAT(core.outcome.out, HasSubstr("is     : a core of plugin guidance 1.2"));
   EXPECT_THAT(plugin.outcome.out, HasSubstr("is     : a plugin, version 1.2"));
+  EXPECT_THAT(plugin.outcome.out, HasSubstr("  cores  : guidance/stop\n  types  : gain/1\n"));
   EXPECT_THAT(unknown.outcome.err, HasSubstr("did you mean 'gain/1'?"));
 }
 
