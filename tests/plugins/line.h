@@ -78,5 +78,8 @@ struct mauve::Described<line::Sum> {
 template <>
 struct mauve::Described<line::Sum> {
   static constexpr std::string_view name = "line_sum/1";
+#ifdef LINE_OPAQUE
+  static constexpr auto fields() { return std::tuple{}; }
+#endif
 };
 #endif

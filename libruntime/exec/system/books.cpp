@@ -57,9 +57,10 @@ void say_states(const CoreBase& from, const CoreBase& into, StatePolicy policy,
 void note_unexamined(const std::string& at, const CoreBase& from, const CoreBase& into,
                      StatePolicy policy, std::vector<std::string>& notes) {
   for (const DataType* type : unexamined_states(from, into, policy)) {
-    notes.push_back(at + ": the state " + type->name + " (" + std::to_string(type->size) +
-                    " B) is kept as it is. Its description has no fields, so only "
-                    "its name and size were compared; --state drop would start it fresh");
+    notes.push_back(
+        at + ": the state " + type->name + " (" + std::to_string(type->size) +
+        " B) is kept as it is. Its description, or that of a part of it, has no "
+        "fields, so only its name and size were compared; --state drop would start it fresh");
   }
 }
 

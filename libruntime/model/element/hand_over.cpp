@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "model/element/hand_over.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 
@@ -63,6 +64,21 @@ Status share(const SlowStateBase& from, SlowStateBase& into, const std::string& 
 /// May the data go on in this place?
 bool takes(const Capsule* into, const Capsule& from) {
   return into != nullptr && (into->fits(from) || into->converter_from(from.type()) != nullptr);
+}
+
+/// Is a struct in the description without fields? An empty fields() compares as little as a name.
+bool lacks_fields(const Value& described) {
+  if (const auto* fields = described.get_if<Value::Array>()) {
+    return fields->empty() ||
+           std::ranges::any_of(*fields, [](const Value& part) { return lacks_fields(part); });
+  }
+  const auto* object = described.get_if<Value::Object>();
+  return object != nullptr &&
+         std::ranges::any_of(*object, [](const auto& part) { return lacks_fields(part.second); });
+}
+
+bool lacks_fields(const DataType& type) {
+  return type.describe == nullptr || lacks_fields(type.describe());
 }
 
 /// A core that is declared Stateless may leave a state that is only offered.
@@ -152,7 +168,7 @@ std::vector<const DataType*> unexamined_states(const CoreBase& from, const CoreB
   const auto look = [&](const Capsule* old, const Capsule* place) {
     if (old == nullptr || place == nullptr || !place->fits(*old)) return;
     const bool one_build = &old->type() == &place->type();
-    if (!one_build && old->type().describe == nullptr) unexamined.push_back(&old->type());
+    if (!one_build && lacks_fields(old->type())) unexamined.push_back(&old->type());
   };
   if (&from == &into || policy == StatePolicy::drop) return unexamined;
   look(from.state(), into.state());

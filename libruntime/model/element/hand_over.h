@@ -65,7 +65,7 @@ struct HandOver {
                                                           const CoreBase& into, StatePolicy policy);
 
 /// The types of the states that go over as they are although their fields were not compared: they
-/// come from another build, and their descriptions are a name alone.
+/// come from another build, and a part of them has no fields.
 [[nodiscard]] std::vector<const DataType*> unexamined_states(const CoreBase& from,
                                                              const CoreBase& into,
                                                              StatePolicy policy);

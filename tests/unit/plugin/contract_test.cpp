@@ -156,6 +156,16 @@ TEST_F(ContractOfTwoPlugins, SaysThatOnlyTheNameOfAStateWithoutFieldsWasCompared
   }
 }
 
+TEST_F(ContractOfTwoPlugins, TreatsEmptyFieldsOfAStateLikeANameAlone) {
+  ASSERT_TRUE(swap_to("opaque", "counting"));
+
+  const auto done = swap_to("opaque_other_state", "counting");
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  ASSERT_EQ(done->notes.size(), 1u);
+  EXPECT_THAT(done->notes[0], HasSubstr("only its name and size were compared"));
+}
+
 TEST_F(ContractOfTwoPlugins, SaysBeforeAChangeThatTheFieldsOfAStateAreNotCompared) {
   ASSERT_TRUE(swap_to("vouched", "counting"));
   folder_.put("line_vouched_rebuilt/line_core.so", "line_core.so");
