@@ -52,6 +52,7 @@ int run_record(Session& session) {
     channels.insert(channels.end(), its.begin(), its.end());
   }
   const std::string file = session.arguments.one("-o,--output");
+  const bool replaced = replaces_file(session);
   std::ofstream stream;
   errno = 0;
   if (!file.empty()) stream.open(file, std::ios::binary);
@@ -71,7 +72,7 @@ int run_record(Session& session) {
   }
   const std::string missing = gaps > 0 ? ", and a gap at " + counted(gaps, "empty row") : "";
   report_output(session, "recorded " + counted(rows, "value") + missing,
-                {{"values", rows}, {"gaps", gaps}});
+                {{"values", rows}, {"gaps", gaps}}, replaced);
   return 0;
 }
 

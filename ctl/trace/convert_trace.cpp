@@ -14,12 +14,13 @@ int run_convert_trace(Session& session) {
   const auto read = read_trace(session.arguments.one("FILE"));
   if (const auto* fault = std::get_if<Fault>(&read)) return session.fail(*fault);
   const auto& trace = std::get<mtrace::Trace>(read);
+  const bool replaced = replaces_file(session);
   if (const Status done = mtrace::convert(trace, format, output); !done) {
     return session.fail(bad_file(done.error()));
   }
   const std::uint64_t records = trace.records.size();
   report_output(session, "wrote " + counted(records, "record"),
-                {{"records", records}, {"complete", trace.reading.complete}});
+                {{"records", records}, {"complete", trace.reading.complete}}, replaced);
   return 0;
 }
 

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "base/duration.h"
+#include "cli/output.h"
 #include "commands/actions.h"
 #include "mtrace/convert.h"
 #include "render/table.h"
@@ -84,12 +85,13 @@ int dump(Session& session) {
   const auto read = read_live(session, session.arguments.one("RECORDING"));
   if (const auto* fault = std::get_if<Fault>(&read)) return session.fail(*fault);
   const auto& trace = std::get<mtrace::Trace>(read);
+  const bool replaced = replaces_file(session);
   if (const Status done = mtrace::convert(trace, mtrace::format_of(file), file); !done) {
     return session.fail(bad_file(done.error()));
   }
   const std::uint64_t records = trace.records.size();
-  session.print({{"file", file}, {"records", records}, {"lost", trace.header.lost}},
-                counted(records, "record") + " in " + file + "\n");
+  report_output(session, "wrote " + counted(records, "record"),
+                {{"records", records}, {"lost", trace.header.lost}}, replaced);
   return 0;
 }
 

@@ -370,7 +370,7 @@ TEST(GraphCommand, NamesTheFileAsJson) {
     if (machine) words.insert(words.end(), {"--fsm", "control"});
     const Scene scene(words, machine ? kControl : kAnswer);
 
-    EXPECT_EQ(Json::parse(scene.outcome.out), (Json{{"file", file}}));
+    EXPECT_EQ(Json::parse(scene.outcome.out), (Json{{"file", file}, {"replaced", false}}));
     EXPECT_THAT(test::TempDir::read(file), StartsWith("<svg"));
   }
 }

@@ -98,10 +98,10 @@ TEST(Record, SaysThatAFileCannotBeWritten) {
 
 TEST(Output, IsReportedWhereTheReportIsNotInTheWay) {
   const test::TempDir place;
-  const std::string file = (place / "drive.svg").string();
   const std::vector<std::pair<std::string, std::string>> all = {
       {"plot", "drew 3 values"}, {"map", "drew 1 place, 0.0 m of way"}};
   for (const auto& [command, report] : all) {
+    const std::string file = (place / (command + ".svg")).string();
     const Shown bare({command, "pose.read"}, kPose, {pose_at(1, 1, 2)});
     const Shown filed({command, "pose.read", "-o", file}, kPose, {pose_at(1, 1, 2)});
     const Shown json({"--json", command, "pose.read", "-o", file}, kPose, {pose_at(1, 1, 2)});
@@ -112,6 +112,20 @@ TEST(Output, IsReportedWhereTheReportIsNotInTheWay) {
     EXPECT_THAT(test::TempDir::read(file), StartsWith("<svg "));
     const std::string line = json.outcome.out.substr(0, json.outcome.out.find('\n'));
     EXPECT_EQ(Json::parse(line)["file"], file);
+    EXPECT_EQ(Json::parse(line)["replaced"], true);
+  }
+}
+
+TEST(Output, SaysThatItReplacesAFile) {
+  const test::TempDir place;
+  for (const std::string command : {"plot", "map"}) {
+    const std::string file = (place / command).string();
+    const std::vector<std::string> words = {command, "pose.read", "-o", file};
+    const Shown first(words, kPose, {pose_at(1, 1, 2)});
+    const Shown second(words, kPose, {pose_at(1, 1, 2)});
+
+    EXPECT_THAT(first.outcome.out, HasSubstr(" to " + file + "\n"));
+    EXPECT_THAT(second.outcome.out, HasSubstr(file + ", replacing the file of that name\n"));
   }
 }
 

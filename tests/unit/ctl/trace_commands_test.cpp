@@ -101,12 +101,17 @@ TEST_F(TraceCommand, WhatIsNoTraceIsWrongUse) {
 
 TEST_F(TraceCommand, ConvertWritesByTheNameOfTheOutput) {
   EXPECT_EQ(run_alone({"convert-trace", file_, "-o", folder_ / "drive.json"}).exit, 0);
-  EXPECT_EQ(run_alone({"convert-trace", file_, "-o", folder_ / "ctf"}).exit, 0);
+  EXPECT_THAT(run_alone({"convert-trace", file_, "-o", folder_ / "ctf"}).out,
+              testing::Not(HasSubstr("replacing")));
   EXPECT_EQ(run_alone({"convert-trace", file_, "-o", folder_ / "again.mtrace"}).exit, 0);
 
   EXPECT_TRUE(Json::parse(text_of("drive.json"))["traceEvents"].is_array());
   EXPECT_THAT(text_of("ctf/metadata"), StartsWith("/* CTF 1.8 */"));
   EXPECT_EQ(text_of("again.mtrace"), text_of("drive.mtrace"));
+  for (const char* file : {"drive.json", "ctf"}) {
+    EXPECT_THAT(run_alone({"convert-trace", file_, "-o", folder_ / file}).out,
+                HasSubstr(std::string(file) + ", replacing the file of that name\n"));
+  }
 }
 
 TEST_F(TraceCommand, ConvertTakesAFormatWhateverTheFileIsCalled) {
