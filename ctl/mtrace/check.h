@@ -34,6 +34,7 @@ struct Checked {
   std::uint64_t missed = 0;     ///< releases for which no job ran, as the trace records them
   std::uint64_t responses = 0;  ///< against the admitted bound
   std::map<std::string, std::uint64_t> responses_of;  ///< of these, by component
+  std::map<std::string, std::uint64_t> over_budget;   ///< jobs, by component
 };
 
 struct Verdict {

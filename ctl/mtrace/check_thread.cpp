@@ -55,6 +55,7 @@ class ThreadCheck {
   void on_rare(const Record& record) {
     switch (record.event) {
       case Event::budget:
+        ++findings_.checked.over_budget[trace_.text(record.thread)];
         if (!jobs.empty())
           jobs.back().disturbs = true;  // recorded at the end of the job, or behind it
         return;

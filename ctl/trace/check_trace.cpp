@@ -13,11 +13,17 @@ using mtrace::Verdict;
 using mtrace::Violation;
 
 Json json_of(const Checked& checked) {
-  return {{"components", checked.components}, {"releases", checked.releases},
-          {"waits", checked.waits},           {"states", checked.states},
-          {"orders", checked.orders},         {"missed", checked.missed},
-          {"changes", checked.changes},       {"takes", checked.takes},
-          {"responses", checked.responses},   {"responses_of", checked.responses_of}};
+  return {{"components", checked.components},
+          {"releases", checked.releases},
+          {"waits", checked.waits},
+          {"states", checked.states},
+          {"orders", checked.orders},
+          {"missed", checked.missed},
+          {"changes", checked.changes},
+          {"takes", checked.takes},
+          {"responses", checked.responses},
+          {"responses_of", checked.responses_of},
+          {"over_budget", checked.over_budget}};
 }
 
 Json json_of(const Violation& violation) {
@@ -55,6 +61,11 @@ std::string render(const Verdict& verdict, bool colour) {
     text += "missed: " + counted(checked.missed, "release") +
             ", which the model permits to a late component\n";
   }
+  std::string over;
+  for (const auto& [component, jobs] : checked.over_budget) {
+    join(over, counted(jobs, "job") + " of " + harmless(component));
+  }
+  if (!over.empty()) text += "over budget: " + over + "; the admitted bounds do not cover them\n";
   text += "checked: " + counted(checked.components, "component") + ", " +
           counted(checked.releases, "release") + " where the clock says, " +
           counted(checked.waits, "wait") + ", " + counted(checked.states, "state") + ", " +

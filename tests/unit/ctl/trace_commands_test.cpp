@@ -51,6 +51,22 @@ TEST_F(TraceCommand, CheckSaysThatATraceObeysTheModel) {
   EXPECT_THAT(outcome.out, HasSubstr(" times, each at the decided release, "));
 }
 
+TEST_F(TraceCommand, CheckCountsTheJobsOverBudgetOfEachComponent) {
+  Trace trace;
+  trace.header.components = made().header.components;
+  trace.header.to = 50'000'000;
+  for (const char* component : {"c0", "c1", "c0"}) {
+    mtrace::append_record(trace, 1'000'000, component, mtrace::Event::budget, {}, 900, 500);
+  }
+  write(trace);
+
+  EXPECT_THAT(run_alone({"check-trace", file_}).out,
+              HasSubstr("\nover budget: 2 jobs of c0, 1 job of c1; the admitted bounds do not "
+                        "cover them\n"));
+  const Outcome json = run_alone({"--json", "check-trace", file_});
+  EXPECT_EQ(Json::parse(json.out)["checked"]["over_budget"], (Json{{"c0", 2}, {"c1", 1}}));
+}
+
 TEST_F(TraceCommand, CheckCountsTheReleasesThatWereMissed) {
   Trace trace;
   trace.header.components = made().header.components;
