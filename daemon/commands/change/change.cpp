@@ -59,7 +59,10 @@ void answer_dry_run(Running& running, const CallPtr& call, ChangeRequestPtr requ
   const bool so_already = is_so_already(*request);
   Receipt nothing;
   nothing.generation = running.generation;
-  auto result = to_json(so_already ? nothing : running.deployer.foresee(**request->prepared));
+  if (!request->foreseen) {
+    request->foreseen = running.deployer.foresee(**request->prepared);
+  }
+  auto result = to_json(so_already ? nothing : *request->foreseen);
   result["dry_run"] = true;
   if (!so_already) {
     say_who_stands(running, request->change, Asked::dry_run, result);

@@ -50,7 +50,7 @@ std::string state_of(const MemberReceipt& row) {
 /// drops, differ in no line of the architecture. A lock and a role do not judge them.
 std::vector<arch::Line> lines_anew(const Running& running, ChangeRequest& request) {
   std::vector<arch::Line> lines;
-  const auto foreseen = running.deployer.foresee(**request.prepared);
+  const auto& foreseen = request.foreseen.emplace(running.deployer.foresee(**request.prepared));
   for (const auto& edit : request.change.edits) {
     const auto* component = running.architecture.find_component(edit.member);
     if (component == nullptr) {

@@ -28,6 +28,7 @@ struct ChangeRequest {
   Status exchanged;                    ///< of a swap in place: whether it has exchanged the cores
   std::vector<arch::Line> lines;       ///< the differences that it makes, once it is prepared
   std::vector<arch::Line> anew;        ///< cores that it makes anew, and the states that it drops
+  std::optional<Receipt> foreseen;     ///< its consequences, where `anew` was made from them
   std::vector<std::string> notes;
   CoreBefore before;  ///< of a swap in place
 };

@@ -82,7 +82,7 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   void change_membership();
   void begin_probation();
   [[nodiscard]] std::string failed() const;
-  [[nodiscard]] Error not_applied() const;
+  [[nodiscard]] Error not_applied(const std::string& late) const;
 
   System& system_;
   std::shared_ptr<void> departed_;  // keeps tasks that are let go meanwhile

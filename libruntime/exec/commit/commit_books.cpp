@@ -121,7 +121,7 @@ void Commit::conclude() {
                                 swapped.state == SwapResult::State::revoked ||
                                 swapped.state == SwapResult::State::overtaken;
   if (nothing_happened) {
-    result_ = not_applied();
+    result_ = not_applied(late_jobs_->reason(silent()));
     for (const auto& before : before_) before->give_way_to(nullptr);
     heritage_.let_go();
     return let_go_new();
@@ -150,7 +150,7 @@ void Commit::conclude() {
     result_ = receipt_;
     if (rollback_ != nullptr) return begin_probation();
   } else {
-    result_ = not_applied();
+    result_ = not_applied(late_jobs_->reason(silent()));
   }
   for (std::size_t i = 0; i < deployed_.size(); ++i) {
     if (content_->members[i].part != Part::leaves || !swap_->members()[i].in_force) continue;
@@ -196,7 +196,7 @@ bool Commit::all_went_back() {
   if (under_way && system_.runner->now() < back_by_) return false;
   if (under_way) one->report_after_all();
   const std::string late = late_jobs_->reason(silent());
-  result_ = not_applied();
+  result_ = not_applied(late);
   if (!under_way && !failed().empty()) {
     result_ = refuse({Errc::hook_threw, "conversion_failed"}, failed(),
                      "could not convert the state of the core before, so the change was revoked",
@@ -291,7 +291,8 @@ std::string Commit::failed() const {
   return names;
 }
 
-Error Commit::not_applied() const {
+/// `late`: the reason of LateJobs.
+Error Commit::not_applied(const std::string& late) const {
   if (const std::string names = failed(); !names.empty() && rollback_ == nullptr) {
     return refuse(
         {Errc::partly, "conversion_failed_in_force"}, names,
@@ -314,7 +315,6 @@ Error Commit::not_applied() const {
                   "is held by a caller that does not leave it, so it was not changed",
                   "look at `status`: a core that never returns holds its component");
   }
-  const std::string late = late_jobs_->reason(silent());
   const std::string look = "look at `status`: a core that never returns holds its component";
   switch (swap_->result().state) {
     case SwapResult::State::overtaken:

@@ -221,9 +221,14 @@ std::vector<std::string> would_drop(const Architecture& architecture, const Chan
   return names;
 }
 
+/// The refusals whose hints propose `--state drop`.
+constexpr std::array<std::string_view, 6> kMendedByDrop{
+    "state_would_be_lost", "state_not_convertible", "state_not_described",
+    "state_not_declared",  "state_not_plain",       "resource_poisoned"};
+
 /// A hint that proposes `--state drop` names the states that it would drop beside the one refused.
 Error with_all_dropped(const Architecture& architecture, const Change& change, Error error) {
-  if (error.hint.find("--state drop") == std::string::npos) return error;
+  if (!contains(kMendedByDrop, error.id)) return error;
   std::string others;
   for (const std::string& name : would_drop(architecture, change)) {
     if (name == error.at.substr(0, error.at.find('.'))) continue;
