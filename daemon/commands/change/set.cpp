@@ -5,6 +5,7 @@
 
 #include "arch/compare/task_attributes.h"
 #include "arch/parse/part_of_value.h"
+#include "arch/parse/unit_hint.h"
 #include "arch/text/value_json.h"
 #include "commands/answer.h"
 #include "commands/change/change.h"
@@ -17,16 +18,6 @@ namespace mauve::daemon {
 namespace {
 
 constexpr std::string_view kTaskPart = ".task.";
-
-/// "a number in m, such as 0.5, its value now"
-Error with_unit(const PropertyBase& property, Error error) {
-  const bool number = property.value().number().has_value();
-  if (error.id == "value_wrong_kind" && number && error.hint.empty() && !property.unit().empty()) {
-    error.hint = "a number in " + std::string(property.unit()) + ", such as " +
-                 to_string(property.value()) + ", its value now";
-  }
-  return error;
-}
 
 /// Refused here, before anything is made: unknown address, wrong type, out of range.
 Result<Value> accepted_value(const Running& running, const std::string& address, const Json& json) {
@@ -46,7 +37,7 @@ Result<Value> accepted_value(const Running& running, const std::string& address,
     return value.error();
   }
   if (auto good = target->property->accepts(*value); !good) {
-    return with_unit(*target->property, good.error());
+    return arch::with_unit(*target->property, *value, good.error());
   }
   return value;
 }

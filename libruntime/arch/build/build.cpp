@@ -11,6 +11,7 @@
 #include "arch/parse/built_in.h"
 #include "arch/parse/parts.h"
 #include "arch/parse/resolve.h"
+#include "arch/parse/unit_hint.h"
 #include "base/name.h"
 #include "mauve/host/architecture.h"
 #include "model/component/wiring.h"
@@ -177,7 +178,8 @@ class Builder {
                       name + "." + property.name, name + " has no property of this name",
                       did_you_mean(property.name, property_names(parts), "\""));
       } else if (Status done = found->set(property.value); !done) {
-        problems_.add(property.value_where, std::move(done.error()));
+        problems_.add(property.value_where,
+                      with_unit(*found, property.value, std::move(done.error())));
       }
     }
   }
