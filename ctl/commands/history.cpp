@@ -45,8 +45,9 @@ int run_history(Session& session) {
   if (session.arguments.has(kLines)) {
     const auto count = count_of(session.arguments.one(kLines));
     if (!count) {
-      return session.fail(
-          wrong_use("usage_not_a_count", "-n takes a count", session.arguments.one(kLines)));
+      return session.fail(wrong_use("usage_not_a_count", "-n takes a count",
+                                    session.arguments.one(kLines),
+                                    "example: mauvectl history -n 5"));
     }
     params["n"] = *count;
   }

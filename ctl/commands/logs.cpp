@@ -30,7 +30,8 @@ std::variant<Json, Fault> params_of(const Arguments& given) {
   if (given.has("-n,--lines")) {
     const auto count = count_of(given.one("-n,--lines"));
     if (!count) {
-      return wrong_use("usage_not_a_count", "-n takes a count", given.one("-n,--lines"));
+      return wrong_use("usage_not_a_count", "-n takes a count", given.one("-n,--lines"),
+                       "example: mauvectl logs -n 50");
     }
     params["n"] = *count;
   }

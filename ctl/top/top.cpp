@@ -37,7 +37,8 @@ std::variant<Pace, Fault> pace_of(const Arguments& given) {
   if (given.has(kCount)) {
     pace.count = count_of(given.one(kCount));
     if (!pace.count || *pace.count == 0) {
-      return wrong_use("usage_not_a_count", "-n takes a count of 1 or more", given.one(kCount));
+      return wrong_use("usage_not_a_count", "-n takes a count of 1 or more", given.one(kCount),
+                       "example: mauvectl top -n 5");
     }
   }
   return pace;

@@ -65,8 +65,11 @@ std::string did_you_mean(std::string_view wanted, const std::vector<std::string>
 std::string known_names(std::string_view wanted, const std::vector<std::string>& known) {
   constexpr std::size_t kFew = 12;
   std::string hint = did_you_mean(wanted, known);
-  if (!hint.empty() || known.empty() || known.size() > kFew) return hint;
-  for (const std::string& name : known) hint += (hint.empty() ? "" : ", ") + name;
+  if (!hint.empty() || known.empty()) return hint;
+  for (std::size_t i = 0; i < std::min(kFew, known.size()); ++i) {
+    hint += (i == 0 ? "" : ", ") + known[i];
+  }
+  if (known.size() > kFew) hint += " and " + std::to_string(known.size() - kFew) + " more";
   return (known.size() == 1 ? "there is " : "there are ") + hint;
 }
 

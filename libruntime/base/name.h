@@ -18,7 +18,7 @@ namespace mauve {
                                        const std::vector<std::string>& known,
                                        std::string_view quote = "");
 
-/// The same hint; when none is near and there are twelve names at most, "there are A, B, C". [any]
+/// The same hint; when none is near, "there are A, B, C", with twelve names at most. [any]
 [[nodiscard]] std::string known_names(std::string_view wanted,
                                       const std::vector<std::string>& known);
 

@@ -86,9 +86,6 @@ Result<Element> find_element(const Architecture& architecture, std::string_view 
 Result<ComponentBase*> find_component(const Architecture& architecture, std::string_view name) {
   auto element = find_element(architecture, name);
   if (!element) {
-    if (element.error().hint.empty()) {
-      element.error().hint = known_names(name, component_names(architecture));
-    }
     return element.error();
   }
   if (element->component == nullptr) {

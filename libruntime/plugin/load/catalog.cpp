@@ -38,6 +38,22 @@ void append_names(std::vector<std::string>& names, const ByName<T>& map) {
   for (const auto& [name, value] : map) names.push_back(name);
 }
 
+/// Where no name is near: "laser_simm" is near the last part of "drivers/laser_sim", and a name
+/// that "guidance" does not bring has the hint which ones it brings.
+std::string hint_by_part(std::string_view name, std::vector<std::string> known) {
+  const auto slash = name.find('/');
+  if (slash != std::string_view::npos) {
+    std::erase_if(known,
+                  [&](const auto& one) { return !one.starts_with(name.substr(0, slash + 1)); });
+    return known_names(name, known);
+  }
+  std::vector<std::string> last_parts;
+  for (const std::string& one : known) last_parts.push_back(one.substr(one.find('/') + 1));
+  const auto near = std::ranges::find(last_parts, nearest_name(name, last_parts));
+  if (near == last_parts.end()) return {};
+  return "did you mean " + quoted(known[static_cast<std::size_t>(near - last_parts.begin())]) + "?";
+}
+
 }  // namespace
 
 Catalog::Catalog(std::vector<std::string> directories) : directories_(std::move(directories)) {}
@@ -57,18 +73,19 @@ const T* Catalog::find(ByName<T> LoadedPlugin::*kind, std::string_view name) con
 template <typename T>
 Error Catalog::unknown(ByName<T> LoadedPlugin::*kind, std::string_view what,
                        std::string_view name) const {
+  constexpr bool kIsData = std::is_same_v<T, const DataType*>;
   std::vector<std::string> known;
   for (const auto& [plugin, loaded] : plugins_) append_names(known, loaded.*kind);
-  if constexpr (std::is_same_v<T, const DataType*>) append_names(known, built_in_types());
+  if constexpr (kIsData) append_names(known, built_in_types());
   std::string message = "there is no " + std::string(what) + " " + quoted(name);
   std::string hint = did_you_mean(name, known, "\"");
+  if (hint.empty() && !kIsData) hint = hint_by_part(name, known);
   const std::string owner(name.substr(0, name.find('/')));
-  if (!std::is_same_v<T, const DataType*> && name.find('/') != std::string_view::npos &&
-      !plugins_.contains(owner)) {
+  if (!kIsData && name.find('/') != std::string_view::npos && !plugins_.contains(owner)) {
     message += ": plugin " + quoted(owner) + " is not loaded";
     if (hint.empty()) hint = "load plugin " + quoted(owner);
   }
-  if (std::is_same_v<T, const DataType*>)
+  if (kIsData)
     hint += std::string(hint.empty() ? "" : " ") + "A plugin registers its type: plugin.type<T>()";
   return refuse({Errc::unknown_name, "unknown_type"}, std::string(name), std::move(message),
                 std::move(hint));

@@ -39,7 +39,17 @@ TEST(NearestName, BecomesAHintInTheQuotesOfTheCaller) {
   EXPECT_EQ(known_names("cora", kKnown), "did you mean core?");
   EXPECT_EQ(known_names("xyz", {"fsm", "core"}), "there are fsm, core");
   EXPECT_EQ(known_names("xyz", {"fsm"}), "there is fsm");
-  EXPECT_EQ(known_names("xyz", std::vector<std::string>(13, "many")), "");
+  EXPECT_EQ(known_names("xyz", {}), "");
+}
+
+TEST(NearestName, IsOneOfManyNamesOfWhichTheHintHasTwelve) {
+  std::string twelve = "n1";
+  std::vector<std::string> names{"n1"};
+  for (int i = 2; i <= 15; ++i) {
+    names.push_back("n" + std::to_string(i));
+    if (i <= 12) twelve += ", " + names.back();
+  }
+  EXPECT_EQ(known_names("other", names), "there are " + twelve + " and 3 more");
 }
 
 TEST(NearestName, DoesNotWorkHardForHostileNames) {

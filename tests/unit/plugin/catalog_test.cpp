@@ -88,6 +88,12 @@ TEST_F(CatalogTest, SuggestsTheNearestName) {
   EXPECT_EQ(core.error().hint, "did you mean \"sample/one\"?");
 }
 
+TEST_F(CatalogTest, SuggestsByTheLastPartOrThePluginOfAName) {
+  EXPECT_EQ(catalog_.core("onee").error().hint, "did you mean \"sample/one\"?");
+  EXPECT_THAT(catalog_.core("sample/elsewhere").error().hint, HasSubstr("sample/one"));
+  EXPECT_EQ(catalog_.core("elsewhere").error().hint, "");
+}
+
 TEST_F(CatalogTest, SaysWhenThePluginOfANameIsNotLoaded) {
   const Result<ComponentType> component = catalog_.component("guidance/control");
 
