@@ -27,12 +27,13 @@ void measure_alone(Report& report, const Options& options) {
       &report.figure("read " + text + ", against memcpy", "ns", target),
       &report.figure("read " + text + ", against a PI mutex", "ns"),
       &report.figure("read " + text + ", against a triple buffer", "ns")};
-  const auto ways = std::make_unique<Contenders<Size>>();
-  const std::vector<Operation> operations{
-      ways->copy(),        ways->write(),        ways->read(),       ways->locked_write(),
-      ways->locked_read(), ways->triple_write(), ways->triple_read()};
   const int times = Size < 5000 ? 1000 : 50;
   for (int i = 0; i < options.rounds; ++i) {
+    const auto placed = std::make_unique<Placed<Contenders<Size>>>(i);
+    auto& ways = placed->value();
+    const std::vector<Operation> operations{
+        ways.copy(),        ways.write(),        ways.read(),       ways.locked_write(),
+        ways.locked_read(), ways.triple_write(), ways.triple_read()};
     const auto ns = alone(operations, times, options.choose(50, 5));
     figures[0]->add(ns[1], ns[0]);
     figures[1]->add(ns[1], ns[3]);

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstring>
 #include <functional>
+#include <new>
 #include <vector>
 
 #include "bench/support/checked.h"
@@ -110,6 +111,25 @@ struct Contenders {
   alignas(64) T from{};
   alignas(64) T into{};
   alignas(64) T other{};
+};
+
+/// A value at another place of its page in each round. A copy is slower where its source and its
+/// destination lie nearly a multiple of 4 kB apart, so one place alone says little.
+template <typename T>
+class Placed {
+ public:
+  explicit Placed(int round) : value_(new (memory_ + kStep * (7 * round % kPlaces)) T) {}
+  ~Placed() { value_->~T(); }
+  Placed(const Placed&) = delete;
+  Placed& operator=(const Placed&) = delete;
+  [[nodiscard]] T& value() { return *value_; }
+
+ private:
+  static constexpr int kStep = 128;
+  static constexpr int kPlaces = 4096 / kStep;
+
+  alignas(4096) std::byte memory_[sizeof(T) + 4096];
+  T* value_;
 };
 
 /// Nanoseconds for each operation alone on a CPU: medians of batches in turn. One during which
