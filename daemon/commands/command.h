@@ -33,6 +33,7 @@
 #include "state/deciding_paths.h"
 #include "state/failures.h"
 #include "state/generations.h"
+#include "state/rollbacks.h"
 
 namespace mauve {
 class Architecture;
@@ -111,6 +112,7 @@ struct Running {
   Former former = {};                       ///< [control] code that reloads have replaced
   std::vector<PlaceProbation> places = {};  ///< [control] swaps in place on probation
   RollbackLines rollback_lines = {};        ///< [control] of the changes on probation
+  Rollbacks rollbacks = {};                 ///< [control] of this run
   Started started = {};                     ///< [control]
   std::uint64_t recovered = 0;  ///< the saved generation that this run began with; 0: the file
   /// [control] Plugins of which the recovered generation ran another build than the start loaded.

@@ -193,7 +193,7 @@ void HealthMonitor::report(const Outcome& outcome) {
     running_->supervisor.roll_back(outcome.generations, !outcome.component.empty());
     running_->rollback = outcome.generation;
   }
-  const auto changes = changes_back(outcome);
+  const auto changes = remember_rollback(outcome);
   running_->log.write(event_of(outcome), {{"component", outcome.component},
                                           {"generation", to_signed(outcome.generation)},
                                           {"began", to_signed(outcome.began)},
@@ -214,12 +214,55 @@ void HealthMonitor::report(const Outcome& outcome) {
   let_former_go(*running_, outcome);  // last: the quarantine is of the build that failed
 }
 
-/// The differences that a rollback makes, in the lines of `plan`; empty of other outcomes.
-std::string HealthMonitor::changes_back(const Outcome& outcome) const {
+/// For `why`, and for a later undo of the same changes. Returns the differences that the rollback
+/// made, in the lines of `plan`; empty of other outcomes.
+std::string HealthMonitor::remember_rollback(const Outcome& outcome) {
   if (outcome.kind != Outcome::Kind::rolled_back) {
     return {};
   }
-  return changes_of({{"lines", running_->rollback_lines.back_from(outcome.generations)}});
+  const auto lines = running_->rollback_lines.back_from(outcome.generations);
+  RollbackRecord record{outcome.generations,
+                        {},
+                        outcome.generation,
+                        logging::utc(std::chrono::system_clock::now()),
+                        cause_of(outcome)};
+  for (const auto& line : lines) {
+    const auto address = line["address"].get<std::string>();
+    record.elements.push_back(address.substr(0, address.find('.')));
+  }
+  auto request = running_->rollbacks.take(outcome.generations);
+  if (event_of(outcome) == Event::undone) {
+    record.by = std::move(request);
+  }
+  running_->rollbacks.remember(std::move(record));
+  return changes_of({{"lines", lines}});
+}
+
+/// The description of a generation that the system made by itself.
+Generation HealthMonitor::generation_of(const Outcome& outcome, const std::string& changes) const {
+  Generation about;
+  about.number = outcome.generation;
+  about.boot = running_->boot;
+  about.time = logging::utc(std::chrono::system_clock::now());
+  about.uid = geteuid();
+  about.command = to_string(outcome.kind);
+  about.reason = cause_of(outcome);
+  about.changes = changes;
+  about.builds = builds_after(*running_, outcome);
+  about.mark = Confirmation::unconfirmed;
+  return about;
+}
+
+/// A rollback that a user asked for is the change of that user. The audit log has a line of the
+/// request.
+void HealthMonitor::name_user(Generation& about, std::uint64_t undone) const {
+  const auto* rollback = running_->rollbacks.of(undone);
+  if (rollback == nullptr || !rollback->by) {
+    return;
+  }
+  about.uid = rollback->by->uid;
+  about.reason = rollback->by->reason;
+  about.command = "change.undo";
 }
 
 /// A generation that the system made by itself is saved like others; no client waits for it.
@@ -238,16 +281,7 @@ void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
     return;
   }
   const StandStill still(*running_);
-  Generation about;
-  about.number = outcome.generation;
-  about.boot = running_->boot;
-  about.time = logging::utc(std::chrono::system_clock::now());
-  about.uid = geteuid();
-  about.command = to_string(outcome.kind);
-  about.reason = cause_of(outcome);
-  about.changes = changes;
-  about.builds = builds_after(*running_, outcome);
-  about.mark = Confirmation::unconfirmed;
+  auto about = generation_of(outcome, changes);
   Json line = {{"time", about.time},         {"method", about.command},
                {"uid", about.uid},           {"pid", getpid()},
                {"reason", about.reason},     {"before", began},
@@ -261,6 +295,10 @@ void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
     return store.audit(line);  // it made no generation
   }
   const auto now = about.number;
+  const bool rolled_back = outcome.kind == Outcome::Kind::rolled_back;
+  if (rolled_back) {
+    name_user(about, began);
+  }
   if (now == running_->deployer.generation()) {
     store.keep(std::move(about), described(*running_), std::move(line), {}, StateStore::As::marked,
                now);
@@ -269,7 +307,7 @@ void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
     // generation, which its own answer saves, and must not be saved as this one.
     store.audit(line);
   }
-  if (outcome.kind != Outcome::Kind::rolled_back) {
+  if (!rolled_back) {
     relieved_ = now;
     return;
   }

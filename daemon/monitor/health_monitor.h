@@ -33,7 +33,9 @@ class HealthMonitor {
   void settle(const Outcome& outcome);
   void report(const Outcome& outcome);
   void save(const Outcome& outcome, const std::string& changes);
-  [[nodiscard]] std::string changes_back(const Outcome& outcome) const;
+  std::string remember_rollback(const Outcome& outcome);
+  [[nodiscard]] Generation generation_of(const Outcome& outcome, const std::string& changes) const;
+  void name_user(Generation& about, std::uint64_t undone) const;
   void report_factory();
   void report_lock_budgets();
   void report_scheduling();

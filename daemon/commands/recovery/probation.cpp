@@ -9,6 +9,7 @@
 #include "commands/answer.h"
 #include "commands/change/change.h"
 #include "commands/lock.h"
+#include "commands/recovery/nothing_to_undo.h"
 #include "commands/recovery/unproven.h"
 #include "commands/say.h"
 #include "exec/system/books.h"
@@ -56,56 +57,6 @@ Status nothing_else(const Json& params) {
     }
   }
   return ok();
-}
-
-constexpr std::string_view kReload = "plugin.reload";
-
-/// The saved generation before the one that runs; 0: there is none. One that was rolled back is not
-/// meant, and neither is one before a reload: a generation has no code.
-std::uint64_t saved_before(const Running& running) {
-  if (running.store == nullptr || running.author.command == kReload) {
-    return 0;
-  }
-  for (const auto& saved : running.store->generations().list()) {  // the newest first
-    const bool usable = !saved.damaged && saved.mark != Confirmation::rolled_back;
-    if (usable && saved.number < running.deployer.generation()) {
-      return saved.number;
-    }
-  }
-  return 0;
-}
-
-/// A reload changes code only, which no rollback brings back.
-std::string step_after_reload(const Running& running) {
-  const auto all =
-      running.store == nullptr ? std::vector<Generation>() : running.store->generations().list();
-  const auto before = std::ranges::find_if(all, [&](const Generation& saved) {  // the newest first
-    return !saved.damaged && saved.number < running.deployer.generation();
-  });
-  const auto others =
-      before == all.end() ? OtherBuilds() : other_builds(before->builds, running.catalog);
-  return others.empty() ? "install the older build, then reload it; the newest change is " +
-                              running.author.changes
-                        : remedy_of(others.front()) + "; a rollback brings no code back";
-}
-
-/// The way back from the newest change where `undo` has none.
-std::string step_without_undo(const Running& running) {
-  const auto& newest = running.author;
-  const bool is_newest = newest.generation == running.deployer.generation();
-  if (!is_newest || newest.changes.empty() || newest.command == "change.undo") {
-    return running.store == nullptr ? "mauvectl logs shows the changes"
-                                    : "mauvectl history shows the saved generations, to which "
-                                      "mauvectl rollback N goes back";
-  }
-  if (const auto before = saved_before(running); before != 0) {
-    return "mauvectl rollback " + std::to_string(before) + ": to before the newest change (" +
-           newest.changes + ")";
-  }
-  if (newest.command == kReload) {
-    return step_after_reload(running);
-  }
-  return "set the old value, or make the opposite change; the newest change is " + newest.changes;
 }
 
 /// A change on probation, with those that it joined.
@@ -216,6 +167,8 @@ void undo_in_place(Running& running, const CallPtr& call, const PlaceTarget& tar
   if (auto begun = undo_place(running, target, reason); !begun) {
     return answer(running, *call, begun.error());
   }
+  running.rollbacks.ask(target.generation,
+                        {call->caller.peer.uid, text_or(call->params, "reason")});
   running.control.await([&running] { return !places_roll_back(running); },
                         [&running, call, target, result = std::move(result)]() mutable {
                           if (auto back = is_back(running, target); !back) {
@@ -261,15 +214,9 @@ void begin_undo(Running& running, const CallPtr& call, const ChangeOnProbation& 
   }
   const auto generation = wanted_generation(*call);
   if (auto begun = running.deployer.undo(text, generation); !begun) {
-    auto error = begun.error();
-    if (generation > running.deployer.generation()) {
-      error.message = "there is no generation " + std::to_string(generation) + " yet";
-    }
-    error.hint = generation == 0 ? step_without_undo(running)
-                                 : "mauvectl status shows the changes on probation, and mauvectl "
-                                   "rollback N goes back to a saved generation";
-    return answer(running, *call, std::move(error));
+    return answer(running, *call, nothing_to_undo(running, begun.error(), generation));
   }
+  running.rollbacks.ask(newest.generations.back(), {call->caller.peer.uid, reason});
   const auto before = running.deployer.generation();
   running.control.await(
       [&running, before] {

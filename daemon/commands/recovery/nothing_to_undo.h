@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The refusal of an undo that finds no change on probation.
+#pragma once
+
+#include "commands/command.h"
+
+namespace mauve::daemon {
+
+/// [control] Says why nothing can be undone, and the next step. `refused`: the words of the
+/// deployer. `generation`: the one that the user named; 0: the newest change.
+[[nodiscard]] Error nothing_to_undo(const Running& running, Error refused,
+                                    std::uint64_t generation);
+
+}  // namespace mauve::daemon

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// The undo of changes: its answer, its refusals, and the history.
+#include <unistd.h>
+
+#include "kept_daemon.h"
+
+namespace mauve::test {
+namespace {
+
+using testing::HasSubstr;
+
+class Undo : public Generations {};
+
+Json on_probation(double value) { return {{"values", {{"first.core.gain", value}}}}; }
+
+TEST_F(Undo, IsInTheHistoryWithTheUserWhoAskedForIt) {
+  TrialDaemon daemon(kTrial, options());
+  for (const bool in_place : {false, true}) {
+    const Json swap = {{"component", "first"}, {"core", "trial/other"}, {"in_place", in_place}};
+    ASSERT_EQ(daemon.ask("core.swap", swap)["saved"], true);
+
+    ASSERT_EQ(daemon.ask("change.undo", {{"reason", "too loud"}})["saved"], true);
+
+    const auto undo = newest(daemon);
+    EXPECT_EQ(undo["command"], "change.undo") << undo;
+    EXPECT_EQ(undo["uid"], getuid());
+    EXPECT_EQ(undo["reason"], "too loud");
+    EXPECT_THAT(undo["changes"].dump(), HasSubstr("trial/other -> trial/steady"));
+  }
+}
+
+TEST_F(Undo, IsNoneWhenMauvedRollsBackByItself) {
+  TrialDaemon daemon(kTrial, options());
+  Json change = on_probation(3.0);
+  change["confirm_within"] = "1ms";
+  ASSERT_EQ(daemon.ask("param.set", change)["state"], "applied");
+
+  ASSERT_TRUE(eventually([&] { return newest(daemon)["command"] == "rolled_back"; }));
+
+  EXPECT_EQ(newest(daemon)["reason"], "not confirmed within its time");
+}
+
+TEST_F(Undo, OfAnUndoneGenerationIsRefusedWithTheUserWhoUndidIt) {
+  TrialDaemon daemon(kTrial, options());
+  ASSERT_EQ(daemon.ask("param.set", on_probation(3.0))["saved"], true);
+  ASSERT_EQ(daemon.ask("change.undo", {{"reason", "too loud"}})["saved"], true);
+
+  const auto refused = daemon.ask("change.undo", {{"generation", 2}});
+
+  EXPECT_EQ(refused["message"],
+            "generation 2 was undone already by uid " + std::to_string(getuid()) + ": too loud");
+  EXPECT_EQ(refused["data"]["id"], "nothing_to_undo");
+  EXPECT_EQ(refused["data"]["state"], "unchanged");
+  EXPECT_EQ(refused["data"]["hint"], "mauvectl history shows it");
+  end_and_start(daemon);
+  EXPECT_EQ(daemon.ask("change.undo", {{"generation", 2}})["message"],
+            "generation 2 was rolled back already");
+}
+
+TEST_F(Undo, OfARolledBackGenerationIsRefusedWithTheCause) {
+  TrialDaemon daemon;
+  const Json swap = {{"component", "first"}, {"core", "trial/throwing_job"}};
+  ASSERT_EQ(daemon.ask("core.swap", swap)["state"], "applied");
+  ASSERT_TRUE(eventually([&] { return daemon.ask("status.get")["generation"] == 3; }));
+
+  const auto refused = daemon.ask("change.undo", {{"generation", 2}});
+
+  EXPECT_EQ(refused["message"],
+            "generation 2 was rolled back already: first threw: division by something");
+  EXPECT_EQ(refused["data"]["hint"], "mauvectl logs shows it");
+}
+
+}  // namespace
+}  // namespace mauve::test
