@@ -20,10 +20,23 @@ void Makers::rely(const std::vector<OpenProbation>& open, const rules::Steps& st
       const auto component = step.subject.substr(0, step.subject.find('.'));
       return std::ranges::find(one.components, component) != one.components.end();
     };
-    if (!one.rolls_back && std::ranges::any_of(steps, concerns)) {
+    if (!one.rolls_back && std::ranges::any_of(steps, concerns) &&
+        !is_remembered(one.generations, maker)) {
       remember(one.generations.back(), maker);
     }
   }
+}
+
+bool Makers::is_remembered(const std::vector<std::uint64_t>& generations,
+                           const Maker& maker) const {
+  return std::ranges::any_of(generations, [&](std::uint64_t generation) {
+    const auto [first, last] = makers_.equal_range(generation);
+    return std::any_of(first, last, [&](const auto& made) {
+      const auto& [by, rule, adoption] = made.second;
+      const bool is_same_rule = rule && rule == maker.rule && adoption == maker.adoption;
+      return is_same_rule || by == maker.by;
+    });
+  });
 }
 
 std::vector<std::size_t> Makers::forget(const std::vector<std::uint64_t>& generations,

@@ -27,7 +27,7 @@ class Makers {
 
   void remember(std::uint64_t generation, Maker maker);
   /// These steps had nothing to do. Where a change on probation made them true, its undo undoes
-  /// them as well.
+  /// them as well. A rule that made some of these changes, or relied on them before, is known.
   void rely(const std::vector<OpenProbation>& open, const rules::Steps& steps, const Maker& maker);
   /// These generations were rolled back. Returns the rules of this supervision that made some.
   std::vector<std::size_t> forget(const std::vector<std::uint64_t>& generations,
@@ -37,6 +37,9 @@ class Makers {
                                                   std::uint64_t adoption) const;
 
  private:
+  [[nodiscard]] bool is_remembered(const std::vector<std::uint64_t>& generations,
+                                   const Maker& maker) const;
+
   std::multimap<std::uint64_t, Maker> makers_;  // by generation
 };
 
