@@ -70,5 +70,21 @@ TEST_F(Undo, OfARolledBackGenerationIsRefusedWithTheCause) {
   EXPECT_EQ(refused["data"]["hint"], "mauvectl logs shows it");
 }
 
+TEST_F(Undo, OfAValueThatWasSetBackSaysThatNoValueChanges) {
+  TrialDaemon daemon;
+  for (const double value : {3.0, 1.0}) {
+    ASSERT_EQ(daemon.ask("param.set", on_probation(value))["state"], "applied");
+  }
+
+  const auto plan = daemon.ask("change.undo", {{"dry_run", true}});
+  const auto undone = daemon.ask("change.undo");
+
+  for (const Json& answer : {plan, undone}) {
+    EXPECT_EQ(answer["lines"], Json::array());
+    EXPECT_EQ(answer["notes"], Json({"the undo changes no value and no connection: it brings back "
+                                     "the elements from before generation 2"}));
+  }
+}
+
 }  // namespace
 }  // namespace mauve::test

@@ -124,6 +124,13 @@ Json undone_json(const Running& running, const ChangeOnProbation& newest) {
   Json result = {{"lines", running.rollback_lines.back_from(newest.generations)},
                  {"undone", change_json(newest)},
                  {"components", Json::array()}};
+  const auto& undone = newest.generations;
+  if (!undone.empty() && result["lines"].empty() && running.rollback_lines.knows(undone)) {
+    say_notes({"the undo changes no value and no connection: it brings back the elements from "
+               "before generation " +
+               std::to_string(undone.front())},
+              result);
+  }
   say_notes(newest.notes, result);
   say_notes(running.supervisor.notes_on(newest.generations), result);
   say_notes(notes_on_files(running, newest.generations), result);
