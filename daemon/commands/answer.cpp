@@ -96,6 +96,7 @@ void answer_applied(Running& running, const Call& call, Json result) {
       lines != result.end() && some_change_is_on_probation(running)) {
     running.rollback_lines.remember(its, *lines);
   }
+  look_at_places(running);  // its answer says that it ended a probation
   continue_proof(running, call);
   auto line = audit_applied(running, call, result);
   if (running.store == nullptr) {

@@ -86,5 +86,20 @@ TEST_F(Undo, OfAValueThatWasSetBackSaysThatNoValueChanges) {
   }
 }
 
+/// The change said that the probation of the swap in place ends.
+TEST_F(Undo, OfTheChangeThatEndedTheProbationOfASwapInPlaceDoesNotReopenIt) {
+  TrialDaemon daemon;
+  const Json in_place = {{"component", "first"}, {"core", "trial/other"}, {"in_place", true}};
+  for (int i = 0; i < 10; ++i) {
+    ASSERT_EQ(daemon.ask("core.swap", in_place)["state"], "applied");
+    const auto back = daemon.ask("core.swap", {{"component", "first"}, {"core", "trial/steady"}});
+    ASSERT_THAT(back["notes"].dump(), HasSubstr("nothing rolls back to the core before it"));
+
+    ASSERT_EQ(daemon.ask("change.undo")["state"], "applied");
+
+    ASSERT_EQ(daemon.ask("change.undo")["data"]["id"], "nothing_to_undo") << i;
+  }
+}
+
 }  // namespace
 }  // namespace mauve::test
