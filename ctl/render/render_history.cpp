@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include <pwd.h>
-
-#include <array>
 #include <string>
 
 #include "render/render.h"
@@ -14,18 +11,6 @@ namespace {
 Paint paint_of_mark(const std::string& mark) {
   if (mark == "confirmed") return Paint::plain;
   return mark == "damaged" ? Paint::red : Paint::yellow;
-}
-
-/// The name of the user on this machine; the number of one that it does not know.
-std::string user_of(const Json& one) {
-  const std::string number = word(one, "uid");
-  std::array<char, 4096> buffer{};
-  passwd entry{};
-  passwd* found = nullptr;
-  if (member(one, "uid").is_number_unsigned()) {
-    getpwuid_r(member(one, "uid").get<uid_t>(), &entry, buffer.data(), buffer.size(), &found);
-  }
-  return found == nullptr ? number : harmless(entry.pw_name);
 }
 
 /// A rollback that mauved makes by itself is recorded like the mark of the change that it undoes.
@@ -48,7 +33,7 @@ std::string render_history(const Json& result, Look look) {
     const std::string mark = word(one, "mark");
     table.add({{word(one, "generation")},
                {time_in_words(word(one, "time"))},
-               {word(one, "command") == "supervision" ? "-" : user_of(one)},
+               {word(one, "command") == "supervision" ? "-" : user_in_words(one)},
                {command_of(one)},
                {mark, paint_of_mark(mark)},
                {word(one, "changes")},

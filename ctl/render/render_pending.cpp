@@ -30,6 +30,11 @@ std::string render_pending(const Json& status, Look look) {
   const auto add = [&](const std::string& line) {
     text += painted(wrapped(harmless(line), look.width, 2), Paint::yellow, look.colour) + "\n";
   };
+  if (const Json& locked = member(status, "locked"); locked.is_object()) {
+    const auto reason = word(locked, "reason");
+    add(word(status, "lock") + " locked by " + user_in_words(locked) + " at " +
+        time_in_words(word(locked, "time")) + (reason.empty() ? "" : ": " + reason));
+  }
   for (const Json& one : list_in(status, "probations")) add(sentence_of(one));
   for (const Json& one : list_in(status, "notes")) {
     add("note: " + word(one, "address") + " " + word(one, "text"));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "render/words.h"
 
+#include <pwd.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -183,6 +185,17 @@ double number(const Json& object, std::string_view key) {
 std::uint64_t whole_number(const Json& object, std::string_view key) {
   const double value = number(object, key);
   return value > 0 && value < 1.8e19 ? static_cast<std::uint64_t>(value) : 0;
+}
+
+std::string user_in_words(const Json& one) {
+  const std::string number = word(one, "uid");
+  std::array<char, 4096> buffer{};
+  passwd entry{};
+  passwd* found = nullptr;
+  if (member(one, "uid").is_number_unsigned()) {
+    getpwuid_r(member(one, "uid").get<uid_t>(), &entry, buffer.data(), buffer.size(), &found);
+  }
+  return found == nullptr ? number : harmless(entry.pw_name);
 }
 
 std::string time_in_words(std::string time) {

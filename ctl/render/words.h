@@ -31,6 +31,8 @@ using protocol::Json;
 
 /// "2026-01-31T12:00:00.123456Z" is "2026-01-31 12:00:00Z".
 [[nodiscard]] std::string time_in_words(std::string time);
+/// The name of the user `uid` on this machine; the number of one that it does not know.
+[[nodiscard]] std::string user_in_words(const Json& one);
 
 /// "generations 3 to 5 (control, mission)" of {"generations","components"}.
 [[nodiscard]] std::string changes_in_words(const Json& one);

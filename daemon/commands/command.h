@@ -56,6 +56,13 @@ using protocol::Json;
 /// a rollback, or a standby core that takes over, after a failure.
 enum class Lock : std::uint8_t { none, params, topology, all };
 
+/// The user who set the lock.
+struct LockRequest {
+  uid_t uid = 0;
+  std::string time;    ///< UTC
+  std::string reason;  ///< as given, may be empty
+};
+
 /// The author of the generation in force, where that is known.
 struct Author {
   std::uint64_t generation = 0;
@@ -121,6 +128,7 @@ struct Running {
   Guardian* guardian = nullptr;  ///< [any] for `status`; null: it shows none
   Recorder* recorder = nullptr;  ///< of traces; its functions name their threads
   Lock lock = Lock::none;        ///< [control], see lock.h
+  LockRequest locked = {};       ///< [control] of the lock in force
   Author author = {};            ///< [control] of the newest generation by request
   std::uint64_t rollback = 0;    ///< [control] the generation of the newest rollback; 0: none
   Realtime realtime = Realtime::prefer;     ///< as mauved was started

@@ -19,7 +19,6 @@ namespace mauve::daemon {
 namespace {
 
 constexpr std::array<std::string_view, 4> kLocks = {"none", "params", "topology", "all"};
-constexpr const char* kHint = "an administrator ends it: mauvectl lock none";
 
 /// The differences that an operator makes with the code that is loaded.
 constexpr std::array<std::string_view, 5> kOfOperators = {"core", "port", "property", "start",
@@ -33,11 +32,19 @@ bool only_parks(const Edit& edit) {
          edit.disconnect.empty();
 }
 
-Error all_is_locked() {
+/// "uid 1000 set the lock (mission); an administrator ends it: mauvectl lock none"
+std::string step_under_a_lock(const Running& running) {
+  const auto& [uid, time, reason] = running.locked;
+  return "uid " + std::to_string(uid) + " set the lock" +
+         (reason.empty() ? "" : " (" + reason + ")") +
+         "; an administrator ends it: mauvectl lock none";
+}
+
+Error all_is_locked(const Running& running) {
   return refuse({Errc::conflict, "locked"}, "lock",
                 "everything that runs is locked: components may be stopped and a change may be "
                 "confirmed, nothing else",
-                kHint);
+                step_under_a_lock(running));
 }
 
 Status check_role(const Call& call, const std::vector<arch::Line>& lines) {
@@ -104,7 +111,7 @@ Status may_change(const Running& running, Kind kind) {
   if (kind != Kind::other || running.lock != Lock::all) {
     return ok();
   }
-  return all_is_locked();
+  return all_is_locked(running);
 }
 
 bool only_stops(const Change& change) {
@@ -118,7 +125,7 @@ Status may_change(const Running& running, const Change& change) {
   if (running.lock != Lock::all || only_stops(change)) {
     return ok();
   }
-  return all_is_locked();
+  return all_is_locked(running);
 }
 
 Status may_change(const Running& running, const Call& call, const std::vector<arch::Line>& lines) {
@@ -133,7 +140,7 @@ Status may_change(const Running& running, const Call& call, const std::vector<ar
   return refuse(
       {Errc::conflict, "locked"}, held->address,
       rule_of(running.lock) + "; this change has: " + protocol::line_in_words(to_json(*held)),
-      kHint);
+      step_under_a_lock(running));
 }
 
 server::Role role_for(const arch::Line& line) {
@@ -192,6 +199,8 @@ void set_lock(Running& running, const CallPtr& call, Ticket /*none: it waits for
   const auto lock = static_cast<Lock>(found - kLocks.begin());
   const bool changed = running.lock != lock;
   running.lock = lock;
+  running.locked = {call->caller.peer.uid, logging::utc(std::chrono::system_clock::now()),
+                    text_or(call->params, "reason")};
   Json held = Json::array();
   for (const auto& [rule, why] : held_rules(running)) {
     held.push_back(rule);

@@ -2,6 +2,8 @@
 // A lock judges the change that would happen, never the method that asked for it. One table has
 // every method that can change something, with the kind of difference that it makes. The test calls
 // each method under every lock.
+#include <unistd.h>
+
 #include <set>
 
 #include "kept_daemon.h"
@@ -243,6 +245,26 @@ TEST(Lock, RefusesEveryChangeButAStop) {
   EXPECT_EQ(daemon.ask("component.stop", {{"all", true}})["state"], "applied");
   EXPECT_EQ(daemon.ask("lock.set", {{"lock", "none"}})["lock"], "none");
   EXPECT_EQ(daemon.ask("param.set", values_with_gain(3.0))["state"], "applied");
+}
+
+TEST(Lock, IsShownWithItsUserAndItsReason) {
+  TrialDaemon daemon;
+  EXPECT_EQ(daemon.ask("status.get")["locked"], nullptr);
+  for (const char* lock : {"all", "params"}) {
+    daemon.ask("lock.set", {{"lock", lock}, {"reason", "mission"}});
+
+    const auto refused = daemon.ask("param.set", values_with_gain(3.0));
+    const auto locked = daemon.ask("status.get")["locked"];
+
+    const auto user = std::to_string(getuid());
+    EXPECT_EQ(refused["data"]["hint"], "uid " + user +
+                                           " set the lock (mission); an administrator "
+                                           "ends it: mauvectl lock none");
+    EXPECT_EQ(locked["uid"], getuid());
+    EXPECT_EQ(locked["reason"], "mission");
+  }
+  daemon.ask("lock.set", {{"lock", "none"}});
+  EXPECT_EQ(daemon.ask("status.get")["locked"], nullptr);
 }
 
 TEST(Lock, LetsTheChangeOnProbationBeConfirmedAndNotBeUndoneByHand) {

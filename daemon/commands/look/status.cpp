@@ -67,6 +67,15 @@ Json probations(const Running& running) {
   return rows;
 }
 
+/// The user who set the lock; null: nothing is locked.
+Json lock_request(const Running& running) {
+  if (running.lock == Lock::none) {
+    return nullptr;
+  }
+  const auto& [uid, time, reason] = running.locked;
+  return {{"uid", uid}, {"time", time}, {"reason", reason}};
+}
+
 /// Of the plugins that still run in the build of the start, which is another one than that of the
 /// saved generation.
 Json notes_of(const Running& running) {
@@ -147,6 +156,7 @@ Result<Json> status(Running& running, const Call& /*call*/) {
                  {"t_ns", running.deployer.clock().now() - running.deployer.t0()},
                  {"realtime", running.deployer.realtime()},
                  {"lock", to_string(running.lock)},
+                 {"locked", lock_request(running)},
                  {"log_levels", log_levels_json(running)},
                  {"components", std::move(rows)},
                  {"poisoned", poisoned(running)},

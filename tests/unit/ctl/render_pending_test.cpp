@@ -36,6 +36,14 @@ TEST(RenderPending, ShowsHowLongAChangeIsOnProbationAndWhatCausesARollback) {
               HasSubstr("generation 4, on probation\n"));
 }
 
+TEST(RenderPending, NamesTheUserAndTheReasonOfALock) {
+  auto status = with(
+      "locked", {{"uid", 987654}, {"time", "2026-01-31T12:00:00.123456Z"}, {"reason", "mission"}});
+  status["lock"] = "all";
+  EXPECT_EQ(render_pending(status, {}), "all locked by 987654 at 2026-01-31 12:00:00Z: mission\n");
+  EXPECT_EQ(render_pending(with("locked", nullptr), {}), "");
+}
+
 TEST(RenderPending, CountsDownToAConfirmation) {
   EXPECT_THAT(render_pending(with("probations", probation("awaits_confirmation", 2e9)), {}),
               HasSubstr("goes back in 2 s unless somebody confirms it: mauvectl confirm"));
