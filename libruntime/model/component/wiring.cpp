@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include <mauve/host/architecture.h>
 #include <mauve/host/ring_buffer.h>
@@ -17,7 +18,8 @@ bool commands(const PortBase& port) {
 }
 
 /// The text of a note about a port that is not connected; none where that is as it should be.
-std::optional<std::string> without_connection(const PortBase& port) {
+/// `left`: the service that it loses, which gets its safe value; null: none.
+std::optional<std::string> without_connection(const PortBase& port, const ServiceBase* left) {
   switch (port.need()) {
     case Need::optional:
       return std::nullopt;
@@ -29,6 +31,9 @@ std::optional<std::string> without_connection(const PortBase& port) {
   if (port.signature().kind == PortKind::read)
     return "is not connected: each read returns the default of the port, and never data";
   if (!port.has_safe_value()) return std::nullopt;
+  if (left != nullptr)
+    return "loses its connection: the change writes its safe value into " + left->address() +
+           ", and its later values reach nothing";
   return "is not connected: its values, and its safe value, reach nothing";
 }
 
@@ -51,12 +56,14 @@ void Wiring::put(const std::string& name, const Shell& shell, const Bindings& bi
 void Wiring::put(const std::string& name, const Shell& shell, const Bindings& bindings,
                  bool is_new) {
   std::vector<Port>& ports = elements_[name];
-  ports.clear();
+  const std::vector<Port> before = std::exchange(ports, {});
   for (const PortBase* port : shell.ports()) {
     const auto index = port->index();
     const Binding* const binding = index < bindings.size() ? bindings[index].get() : nullptr;
-    ports.push_back({name + ".ports." + std::string(port->name()), port,
-                     binding == nullptr ? nullptr : &binding->service(), is_new});
+    const ServiceBase* const service = binding == nullptr ? nullptr : &binding->service();
+    ports.push_back({name + ".ports." + std::string(port->name()), port, service, is_new});
+    const auto same = std::ranges::find(before, ports.back().address, &Port::address);
+    if (service == nullptr && same != before.end()) ports.back().left = same->service;
   }
 }
 
@@ -122,7 +129,7 @@ std::vector<Wiring::Note> Wiring::notes() const {
   for (const auto& [name, ports] : elements_) {
     for (const Port& one : ports) {
       if (one.service != nullptr) continue;
-      if (auto text = without_connection(*one.port))
+      if (auto text = without_connection(*one.port, one.left))
         notes.push_back({one.address, *std::move(text)});
     }
   }

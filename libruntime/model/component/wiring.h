@@ -57,6 +57,7 @@ class Wiring {
     const PortBase* port = nullptr;
     const ServiceBase* service = nullptr;  ///< null: not connected
     bool is_new = false;                   ///< brought by put()
+    const ServiceBase* left = nullptr;     ///< that it loses by put(); null: none
   };
   struct Written {
     const ServiceBase* service = nullptr;

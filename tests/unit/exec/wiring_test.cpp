@@ -242,7 +242,10 @@ TEST_F(ExclusiveOutputAtRunTime, IsWarnedOfOnlyByTheChangeThatLeavesItAlone) {
 
   const auto alone = deployer.apply({{disconnect("human", "speed")}});
   ASSERT_TRUE(alone);
-  EXPECT_THAT(alone->warnings, Contains(HasSubstr("human.ports.speed is not connected")));
+  EXPECT_THAT(alone->warnings,
+              Contains("human.ports.speed loses its connection: the change writes its safe value "
+                       "into command.write, and its later values reach nothing"));
+  EXPECT_THAT(notes_of(robot), Contains(HasSubstr("human.ports.speed is not connected")));
 }
 
 }  // namespace
