@@ -20,7 +20,8 @@ std::string sentence_of(const Json& one) {
   // A number of jobs that a user gave decides alone.
   const bool jobs_alone = number(one, "left_ns") > 3600e9;
   return which + ": on probation for " + (jobs_alone ? "" : left + " still, or ") +
-         word(one, "jobs") + " jobs: a failure, or mauvectl undo, rolls back";
+         counted(whole_number(one, "jobs_left"), "job") +
+         ": a failure, or mauvectl undo, rolls back";
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace mauve::ctl {
 namespace {
 
-/// ", on probation for 3000 jobs or 10 s"
+/// ", on probation for 3000 jobs or 10 s"; ", on probation for 3000 jobs or 10 s, about 6 s"
 std::string on_probation(const Json& receipt) {
   const Json& probation = member(receipt, "probation");
   if (!probation.is_object()) return {};
@@ -21,7 +21,9 @@ std::string on_probation(const Json& receipt) {
       ", on probation for " + counted(whole_number(probation, "activations"), "job");
   constexpr double kWholeDay = 86'400e9;  // in place of none
   const double time = number(probation, "time_ns");
-  return time >= kWholeDay ? jobs : jobs + " or " + nanoseconds_in_words(time);
+  const double until_jobs = number(probation, "jobs_ns");
+  return jobs + (time >= kWholeDay ? "" : " or " + nanoseconds_in_words(time)) +
+         (until_jobs > 0 ? ", about " + nanoseconds_in_words(until_jobs) : "");
 }
 
 /// One line for each entry of a list of the receipt.

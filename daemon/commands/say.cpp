@@ -5,11 +5,32 @@
 
 #include "base/thread_role.h"
 
+#include "commands/change/change.h"
 #include "commands/recovery/quarantine.h"
 #include "exec/system/prepared.h"
 #include "judge/judgement.h"
 
 namespace mauve::daemon {
+
+namespace {
+
+/// The time in which each member runs so many jobs on its grid; none: one does not run, or has no
+/// grid.
+std::optional<Duration> time_of_jobs(const Running& running, std::uint64_t jobs,
+                                     PreparedChange& change) {
+  std::optional<Duration> longest;
+  for (const auto& member : change.content().members) {
+    const auto grid = member.next == nullptr ? Duration{0} : member.next->fsm->grid();
+    const auto state = running.deployer.status(member.component->name()).state;
+    if (grid <= Duration{0} || state != ComponentState::running) {
+      return std::nullopt;
+    }
+    longest = std::max(longest.value_or(grid), grid);
+  }
+  return longest ? std::optional(*longest * static_cast<std::int64_t>(jobs)) : std::nullopt;
+}
+
+}  // namespace
 
 void say_lines(const std::vector<arch::Line>& lines, Json& result) {
   if (lines.empty() || result.contains("lines")) {
@@ -45,6 +66,19 @@ void say_same_build(const std::vector<arch::Line>& lines, Json& result) {
 void say_sync(std::optional<Result<PreparedChange>>& prepared, Json& result) {
   if (prepared && *prepared && (*prepared)->content().barrier) {
     result["sync"] = "barrier";
+  }
+}
+
+void say_probation(const Running& running, const Probation& probation,
+                   std::optional<Result<PreparedChange>>& prepared, Json& result) {
+  MAUVE_ON_THREAD(control);
+  auto& rules = result["probation"] = to_json(probation);
+  if (probation.confirm_within > Duration{0} || !prepared || !*prepared) {
+    return;
+  }
+  const auto jobs = time_of_jobs(running, probation.activations, **prepared);
+  if (jobs && *jobs < probation.time) {
+    rules["jobs_ns"] = jobs->count();
   }
 }
 

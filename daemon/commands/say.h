@@ -29,6 +29,10 @@ void say_same_build(const std::vector<arch::Line>& lines, Json& result);
 /// [any] Whether all members wait for each other, as it was prepared.
 void say_sync(std::optional<Result<PreparedChange>>& prepared, Json& result);
 
+/// [control] The rules of the probation, and when it ends if its jobs end it before its time does.
+void say_probation(const Running& running, const Probation& probation,
+                   std::optional<Result<PreparedChange>>& prepared, Json& result);
+
 /// [any] Whether components on ordinary threads missed releases during the change: the machine may
 /// be the cause.
 void say_missed(bool realtime, Json& result);

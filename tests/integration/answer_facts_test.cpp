@@ -173,5 +173,22 @@ TEST(Show, OfACoreOfAResourceHasItsType) {
   EXPECT_EQ(core["type"], daemon.ask("object.get", {{"address", "signal"}})["type"]) << core;
 }
 
+/// The period of `first` is 2 ms.
+TEST(Swap, SaysWhenTheJobsOfAProbationEndItBeforeItsTimeDoes) {
+  TrialDaemon daemon;
+  for (const bool in_place : {false, true}) {
+    Json swap = swap_first("trial/other");
+    swap["in_place"] = in_place;
+    EXPECT_EQ(daemon.ask("core.swap", swap)["probation"]["jobs_ns"], 6'000'000'000);
+    EXPECT_TRUE(eventually([&] {
+      const auto one = daemon.ask("status.get")["probations"][0];
+      return one["jobs"] == 3000 && one["jobs_left"] < 3000;
+    }));
+    ASSERT_EQ(daemon.ask("change.undo")["state"], "applied");
+  }
+  const Json slow = {{"values", {{"second.fsm.period", "5s"}}}};
+  EXPECT_FALSE(daemon.ask("param.set", slow)["probation"].contains("jobs_ns"));
+}
+
 }  // namespace
 }  // namespace mauve::test

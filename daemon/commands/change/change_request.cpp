@@ -144,7 +144,7 @@ void say_consequences(const Running& running, ChangeRequest& request, Json& resu
   say_sync(request.prepared, result);
   say_kept(running, request.change, result);
   if (request.change.probation) {
-    result["probation"] = to_json(*request.change.probation);
+    say_probation(running, *request.change.probation, request.prepared, result);
   }
   if (request.hooks != nullptr) {
     request.hooks->complete(result);

@@ -143,7 +143,7 @@ Json result_of(Running& running, Reload& reload) {
   say_lines(reload.lines, result);
   say_same_build(reload.lines, result);
   if (reload.receipt && reload.change.probation) {
-    result["probation"] = to_json(*reload.change.probation);
+    say_probation(running, *reload.change.probation, reload.prepared, result);
   }
   result["changed"] = true;
   result["state"] = "applied";

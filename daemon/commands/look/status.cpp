@@ -32,8 +32,13 @@ Json poisoned(const Running& running) {
   return names;
 }
 
+std::uint64_t jobs_left(const Running& running, const PlaceProbation& place) {
+  const auto run = running.deployer.status(place.component).releases - place.releases;
+  return place.rules.activations - std::min(run, place.rules.activations);
+}
+
 /// A swap in place, in the same form.
-Json row_of(const PlaceProbation& place) {
+Json row_of(const Running& running, const PlaceProbation& place) {
   const Duration passed = std::chrono::steady_clock::now() - place.since;
   const bool confirms = place.rules.confirm_within > Duration{0};
   const auto left = (confirms ? place.rules.confirm_within : place.rules.time) - passed;
@@ -43,7 +48,8 @@ Json row_of(const PlaceProbation& place) {
                     : confirms       ? "awaits_confirmation"
                                      : "watching"},
           {"left_ns", std::max(left, Duration{0}).count()},
-          {"jobs", confirms ? Json() : Json(place.rules.activations)}};
+          {"jobs", confirms ? Json() : Json(place.rules.activations)},
+          {"jobs_left", confirms ? Json() : Json(jobs_left(running, place))}};
 }
 
 /// The changes that are on probation or wait for a confirmation, the oldest first.
@@ -59,10 +65,11 @@ Json probations(const Running& running) {
                               : confirms     ? "awaits_confirmation"
                                              : "watching"},
                     {"left_ns", std::max(left, Duration{0}).count()},
-                    {"jobs", confirms ? Json() : Json(rules.activations)}});
+                    {"jobs", confirms ? Json() : Json(rules.activations)},
+                    {"jobs_left", confirms ? Json() : Json(one.jobs_left)}});
   }
   for (const auto& place : running.places) {
-    rows.push_back(row_of(place));
+    rows.push_back(row_of(running, place));
   }
   return rows;
 }

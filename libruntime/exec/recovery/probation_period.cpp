@@ -32,6 +32,17 @@ void put_back(Architecture& architecture, Element& element, std::shared_ptr<Elem
   architecture.own(std::move(owner));
 }
 
+/// Of the member that has run the fewest jobs. Without members no job proves the change.
+std::uint64_t jobs_left(const std::vector<MemberRollback>& members, const Probation& rules) {
+  const std::uint64_t jobs = rules.activations;
+  std::uint64_t left = members.empty() ? jobs : 0;
+  for (const MemberRollback& member : members) {
+    const std::uint64_t releases = member.deployed->task->counters().releases.load();
+    left = std::max(left, jobs - std::min(jobs, releases - member.releases_before));
+  }
+  return left;
+}
+
 }  // namespace
 
 ProbationPeriod::ProbationPeriod(System& system, std::shared_ptr<Content> content,
@@ -104,12 +115,7 @@ void ProbationPeriod::watch() {
     }
     return;
   }
-  const auto proved = [&](const MemberRollback& member) {
-    const std::uint64_t releases = member.deployed->task->counters().releases.load();
-    return releases - member.releases_before >= rules.activations;
-  };
-  const bool all_proved =
-      !members_.empty() && std::all_of(members_.begin(), members_.end(), proved);
+  const bool all_proved = jobs_left(members_, rules) == 0;
   if ((all_proved || passed >= rules.time) && awaits_verdict()) return;
   if (all_proved) {
     static_cast<void>(pass(std::to_string(rules.activations) + " jobs without a fault"));
@@ -181,7 +187,8 @@ OpenProbation ProbationPeriod::look() const {
                      {},
                      Duration{system_.runner->now() - began_},
                      *content_->probation,
-                     rollback_->rolls_back()};
+                     rollback_->rolls_back(),
+                     jobs_left(members_, *content_->probation)};
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
     const PreparedMember& member = content_->members[i];
     const Origin& origin = members_[i].origin;

@@ -20,7 +20,8 @@ Json probation(const char* state, double left) {
                        {"components", {"control", "base"}},
                        {"state", state},
                        {"left_ns", left},
-                       {"jobs", 3000}}});
+                       {"jobs", 3000},
+                       {"jobs_left", 1200}}});
 }
 
 TEST(RenderPending, IsEmptyWhenAllIsSettled) {
@@ -30,7 +31,7 @@ TEST(RenderPending, IsEmptyWhenAllIsSettled) {
 
 TEST(RenderPending, ShowsHowLongAChangeIsOnProbationAndWhatCausesARollback) {
   EXPECT_EQ(render_pending(with("probations", probation("watching", 6e9)), {}),
-            "generations 3 to 4 (control, base): on probation for 6 s still, or 3000 jobs: a "
+            "generations 3 to 4 (control, base): on probation for 6 s still, or 1200 jobs: a "
             "failure, or mauvectl undo, rolls back\n");
   EXPECT_THAT(render_status(with("probations", probation("watching", 6e9)), {}),
               HasSubstr("generation 4, on probation\n"));

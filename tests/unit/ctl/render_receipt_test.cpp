@@ -16,6 +16,10 @@ TEST(RenderReceipt, SaysHowLongTheProbationIs) {
     "probation":{"activations":100,"time_ns":86400000000000}})"),
                            {}),
             "swapped control (generation 2, on probation for 100 jobs)\n");
+  EXPECT_EQ(render_receipt("swapped control", Json::parse(R"({"generation":2,"changed":true,
+    "probation":{"activations":3000,"time_ns":10000000000,"jobs_ns":3000000000}})"),
+                           {}),
+            "swapped control (generation 2, on probation for 3000 jobs or 10.0 s, about 3.0 s)\n");
 }
 
 TEST(RenderReceipt, DoesNotBlameTheChangeForReleasesThatOrdinaryThreadsMissed) {

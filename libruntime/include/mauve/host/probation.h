@@ -36,6 +36,7 @@ struct OpenProbation {
   Duration passed{0};                      ///< since the newest of the changes
   Probation rules;                         ///< of the newest change
   bool rolls_back = false;                 ///< a failure, or undo(), has triggered the rollback
+  std::uint64_t jobs_left = 0;             ///< of the member that has run the fewest
   std::vector<std::string> notes = {};     ///< states that the rollback cannot bring back
 };
 
