@@ -48,6 +48,19 @@ std::string change_in_words(const Json& change) {
          word(change, "uid") + ", " + word(change, "time") + (reason.empty() ? "" : ": " + reason);
 }
 
+/// "generations 2 to 3 were rolled back at 2026-01-31 12:00:00Z, in generation 4: not confirmed
+/// before calm began"; empty: none was, or the failure tells of it.
+std::string rollback_in_words(const Json& rollback, const Json& failure) {
+  if (!rollback.is_object()) return {};
+  if (number(rollback, "generation") == number(failure, "generation_after")) return {};
+  const bool one = list_in(rollback, "undone").size() == 1;
+  return changes_in_words({{"generations", list_in(rollback, "undone")}}) +
+         (one ? " was" : " were") + " rolled back at " + time_in_words(word(rollback, "time")) +
+         ", in generation " + word(rollback, "generation") +
+         (member(rollback, "uid").is_null() ? "" : ", for " + user_in_words(rollback)) + ": " +
+         word(rollback, "cause");
+}
+
 class Passage {
  public:
   explicit Passage(Look look) : look_(look) {}
@@ -136,6 +149,7 @@ std::string render_why(const Json& why, Look look) {
   }
   if (change.is_object())
     text.add(failure.is_object() ? "before" : "changed", change_in_words(change));
+  text.add("back", rollback_in_words(member(why, "rollback"), failure));
   auto counts = counted(whole_number(why, "missed"), "release") + " missed, " +
                 counted(whole_number(why, "overruns"), "overrun");
   if (const auto kernel = kernel_in_words(member(why, "kernel")); !kernel.empty()) {

@@ -20,6 +20,11 @@ TEST(Rules, OutrankAChangeThatWaitsForItsConfirmation) {
   EXPECT_THAT(daemon.answer("capped"), HasSubstr("applied, generation 5"));
   EXPECT_EQ(daemon.ask("param.get", {{"address", "first.core.gain"}})["value"], 1.0);
   EXPECT_EQ(daemon.events("rolled_back", "not confirmed before calm began"), 1U);
+  const auto rollback = daemon.ask("component.why", {{"component", "first"}})["rollback"];
+  EXPECT_EQ(rollback["cause"], "not confirmed before calm began") << rollback;
+  EXPECT_EQ(rollback["undone"], Json({3}));
+  EXPECT_EQ(rollback["generation"], 4);
+  EXPECT_EQ(rollback["uid"], nullptr);
 }
 
 TEST(Rules, FireAgainWhenTheirActionIsUndone) {

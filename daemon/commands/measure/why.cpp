@@ -30,6 +30,18 @@ Json attempt_json(const Attempt* attempt) {
           {"reason", attempt->reason}};
 }
 
+/// Of a change of the component, also of one that gave way to a rule.
+Json rollback_json(const RollbackRecord* rollback) {
+  if (rollback == nullptr) {
+    return nullptr;
+  }
+  return {{"generation", rollback->generation},
+          {"undone", rollback->undone},
+          {"time", rollback->time},
+          {"cause", rollback->cause},
+          {"uid", rollback->by ? Json(rollback->by->uid) : Json()}};
+}
+
 /// Its answer may have come after the failure that it led to.
 const Attempt* change_before(const Running& running, const std::string& name,
                              const Failure& failure) {
@@ -223,6 +235,7 @@ Result<Json> why(Running& running, const Call& call) {
                  {"since", began(running)},
                  {"failure", failure == nullptr ? Json() : failure_json(running, *failure)},
                  {"change", attempt_json(change)},
+                 {"rollback", rollback_json(running.rollbacks.last_of(name))},
                  {"poisoned", poisoned},
                  {"quarantine", quarantine_of(running, failure)},
                  {"records", records_of(running, name, failure)},

@@ -55,6 +55,24 @@ TEST(Why, IsAnsweredInAFewLines) {
                 render_record(kLastRecord, {}));
 }
 
+TEST(Why, NamesTheLastRollbackOfAChangeUnlessTheFailureDoes) {
+  Json answer = without_failure();
+  answer["rollback"] = {{"generation", 44},
+                        {"undone", {42, 43}},
+                        {"time", "2026-01-01T10:01:00.500000Z"},
+                        {"cause", "not confirmed before calm began"},
+                        {"uid", nullptr}};
+  const std::string line =
+      "back      generations 42 to 43 were rolled back at 2026-01-01 10:01:00Z, in generation 44: "
+      "not confirmed before calm began\n";
+  EXPECT_THAT(Scene({"why", "control"}, answer).outcome.out, testing::HasSubstr(line));
+
+  answer["failure"] = kWhy["failure"];
+  answer["failure"]["generation_after"] = 44;
+  EXPECT_THAT(Scene({"why", "control"}, answer).outcome.out,
+              testing::Not(testing::HasSubstr("back  ")));
+}
+
 TEST(Why, NamesTheResourceInWhoseCallTheJobFailed) {
   Json answer = kWhy;
   answer["failure"]["resource"] = "world";
