@@ -101,5 +101,28 @@ TEST_F(Undo, OfTheChangeThatEndedTheProbationOfASwapInPlaceDoesNotReopenIt) {
   }
 }
 
+/// A stop makes a generation while the undo waits for the end of the job of `first`.
+TEST_F(Undo, AnswersWhenItsComponentsAreBackAlsoIfAnotherOneIsStoppedMeanwhile) {
+  auto file = Json::parse(unguarded());
+  auto& first = file["components"]["first"];
+  first["core"] = "trial/hungry";
+  first["properties"] = {{"fsm.period", "400ms"}, {"core.uses", "200ms"}};
+  TrialDaemon daemon(file.dump());
+  ASSERT_EQ(daemon.ask("param.set", on_probation(3.0))["state"], "applied");
+  auto undoing = daemon.client();
+  const auto jobs = daemon.value("first.core.count");
+  ASSERT_TRUE(eventually([&] { return daemon.value("first.core.count") != jobs; }));
+
+  ASSERT_TRUE(undoing.send("{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"change.undo\"}\n"));
+  ASSERT_TRUE(eventually([&] {
+    const auto open = daemon.ask("status.get")["probations"];
+    return open.empty() || open[0]["state"] == "rolls_back";
+  }));
+  EXPECT_TRUE(is_stop(daemon.ask("component.stop", {{"components", {"second"}}})));
+
+  const auto undone = undoing.json();
+  EXPECT_EQ(daemon.value("first.core.gain"), 1.0) << undone;
+}
+
 }  // namespace
 }  // namespace mauve::test

@@ -64,13 +64,6 @@ std::string step_without_undo(const Running& running) {
   return "set the old value, or make the opposite change; the newest change is " + newest.changes;
 }
 
-bool is_rolling_back(const Running& running, std::uint64_t generation) {
-  return std::ranges::any_of(running.deployer.probations(), [&](const OpenProbation& open) {
-    return open.rolls_back &&
-           std::ranges::find(open.generations, generation) != open.generations.end();
-  });
-}
-
 /// "was undone already by uid 1000: too loud", "was rolled back already: control threw: sensor
 /// lost"; empty: it was not, as far as is known.
 std::string already_undone(const Running& running, std::uint64_t generation) {
@@ -91,6 +84,14 @@ std::string already_undone(const Running& running, std::uint64_t generation) {
 }
 
 }  // namespace
+
+bool is_rolling_back(const Running& running, std::uint64_t generation) {
+  MAUVE_ON_THREAD(control);
+  return std::ranges::any_of(running.deployer.probations(), [&](const OpenProbation& open) {
+    return open.rolls_back &&
+           std::ranges::find(open.generations, generation) != open.generations.end();
+  });
+}
 
 Error nothing_to_undo(const Running& running, Error refused, std::uint64_t generation) {
   MAUVE_ON_THREAD(control);

@@ -224,12 +224,8 @@ void begin_undo(Running& running, const CallPtr& call, const ChangeOnProbation& 
     return answer(running, *call, nothing_to_undo(running, begun.error(), generation));
   }
   running.rollbacks.ask(newest.generations.back(), {call->caller.peer.uid, reason});
-  const auto before = running.deployer.generation();
   running.control.await(
-      [&running, before] {
-        running.generation = running.deployer.generation();
-        return running.generation != before || !running.deployer.going_back();
-      },
+      [&running, undone = newest.generations.back()] { return !is_rolling_back(running, undone); },
       [&running, call, result = std::move(result)]() mutable {
         running.report_outcomes();  // that saves it, with the mark of the one that it goes back to
         answer_undone(running, *call, std::move(result));
