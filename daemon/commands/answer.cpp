@@ -176,7 +176,7 @@ Status check_long_answers(const Running& running, const Call& call) {
 
 Status check_conditions(const Running& running, const Call& call) {
   MAUVE_ON_THREAD(control);
-  if (auto allowed = may_change(running, kind_of(call)); !allowed) {
+  if (auto allowed = check_lock_of_all(running, kind_of(call)); !allowed) {
     return allowed;
   }
   const auto wanted = call.params.find("if_generation");

@@ -106,7 +106,7 @@ Kind kind_of(const Call& call) {
   return method == "change.apply" || method == kSupervision ? Kind::steps : Kind::other;
 }
 
-Status may_change(const Running& running, Kind kind) {
+Status check_lock_of_all(const Running& running, Kind kind) {
   MAUVE_ON_THREAD(control);
   if (kind != Kind::other || running.lock != Lock::all) {
     return ok();
@@ -120,7 +120,7 @@ bool only_stops(const Change& change) {
          std::ranges::all_of(change.edits, only_parks);
 }
 
-Status may_change(const Running& running, const Change& change) {
+Status check_lock_of_all(const Running& running, const Change& change) {
   MAUVE_ON_THREAD(control);
   if (running.lock != Lock::all || only_stops(change)) {
     return ok();

@@ -32,7 +32,7 @@ enum class Kind : std::uint8_t {
 
 /// [control] Refused with `conflict` while everything is locked, but for stops, a confirmation, and
 /// steps, whose change is judged. Ask before preparing a change, and again before it is committed.
-[[nodiscard]] Status may_change(const Running& running, Kind kind);
+[[nodiscard]] Status check_lock_of_all(const Running& running, Kind kind);
 
 /// The change stops components, and makes nothing else different. Neither a lock nor a quarantine
 /// nor an abandoned thread refuses such a change.
@@ -40,7 +40,7 @@ enum class Kind : std::uint8_t {
 
 /// [control] Refused with `conflict` while everything is locked, unless the change only_stops().
 /// Ask before preparing it, and again before it is committed.
-[[nodiscard]] Status may_change(const Running& running, const Change& change);
+[[nodiscard]] Status check_lock_of_all(const Running& running, const Change& change);
 
 /// [control] Refused with `conflict` while a lock holds something that the change makes different,
 /// and with `not_permitted` when one of the differences needs a higher role than the caller has.

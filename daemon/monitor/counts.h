@@ -23,7 +23,7 @@ class Counts {
   /// [any but rt] A request of this method has its answer; `error` is empty when it is no refusal.
   void answered(std::string_view method, std::string_view error) {
     const MutexLock lock(mutex_);
-    ++commands_[std::string(method)];
+    ++answers_[std::string(method)];
     if (!error.empty()) {
       ++refusals_[{std::string(method), std::string(error)}];
     }
@@ -31,9 +31,10 @@ class Counts {
   /// [control] An action of the system by itself.
   void note(const Outcome& outcome) { ++outcomes_[outcome.kind][outcome.component]; }
 
-  [[nodiscard]] OfMethods commands() const {
+  /// The answers of each method: also of reads, of dry runs, and refusals.
+  [[nodiscard]] OfMethods answers() const {
     const MutexLock lock(mutex_);
-    return commands_;
+    return answers_;
   }
   [[nodiscard]] OfRefusals refusals() const {
     const MutexLock lock(mutex_);
@@ -47,7 +48,7 @@ class Counts {
 
  private:
   mutable Mutex mutex_;
-  OfMethods commands_ MAUVE_GUARDED_BY(mutex_);
+  OfMethods answers_ MAUVE_GUARDED_BY(mutex_);
   OfRefusals refusals_ MAUVE_GUARDED_BY(mutex_);
   std::map<Outcome::Kind, OfComponents> outcomes_;  // [control]
 };

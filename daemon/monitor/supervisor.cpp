@@ -23,7 +23,7 @@ namespace {
 using logging::Event;
 
 constexpr std::chrono::milliseconds kLookEvery{10};
-constexpr const char* kOwnSteps = "its own steps";
+constexpr const char* kGivenSteps = "the steps given";  // "by rule loud", in "do"
 
 std::string said(const Fault& fault) {
   return (fault.where.empty() ? "" : fault.where + ": ") + fault.message +
@@ -192,7 +192,7 @@ rules::Read Supervisor::reader() const {
 void Supervisor::fire(std::size_t index) {
   const auto& rule = engine_.rules()[index];
   const auto values = rules::in_words(rule.when.values(reader()));
-  Dispatch dispatch{rule.transaction.empty() ? kOwnSteps : rule.transaction,
+  Dispatch dispatch{rule.transaction.empty() ? kGivenSteps : rule.transaction,
                     "by rule " + rule.name,
                     {},
                     steps_of(rule),
@@ -201,7 +201,9 @@ void Supervisor::fire(std::size_t index) {
                     index};
   running_->log.write(
       Event::rule_fired,
-      {{"rule", rule.name}, {"transaction", dispatch.transaction}, {"text", values}});
+      {{"rule", rule.name},
+       {"transaction", rule.transaction.empty() ? "its own steps" : rule.transaction},
+       {"text", values}});
   dispatch.done = [this, index, adoption = adoptions_](const std::string& answer,
                                                        rules::Ended ended) {
     if (adoption == adoptions_) {
@@ -260,7 +262,8 @@ void Supervisor::refuse_request(const Dispatch& dispatch, const Error& error) {
 void Supervisor::carry_out(Dispatch dispatch) {
   MAUVE_ON_THREAD(control);
   auto call = call_by_itself(*running_, dispatch.by);
-  call->params["transaction"] = dispatch.transaction;
+  const bool given = dispatch.transaction == kGivenSteps;
+  call->params["transaction"] = dispatch.transaction + (given ? " " + dispatch.by : "");
   auto steps = dispatch.steps;
   if (!brings_something_new(steps)) {
     call->params["probation"] = "off";

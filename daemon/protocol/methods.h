@@ -44,7 +44,7 @@ enum class Effect : std::uint8_t {
   reads,        ///< changes nothing
   out_of_band,  ///< changes nothing; served also when all connection slots are in use
   records,      ///< begins or ends a recording; the components run on as they were
-  changes,      ///< changes the running system, as far as the lock permits
+  changes,      ///< changes the running system otherwise, as far as the lock permits
   adjusts,      ///< changes only counts, logs or locks of mauved; permitted under any lock
   ends,   ///< ends a probation, also when all slots are in use; an undo is judged by its lines
   stops,  ///< stops components; permitted under any lock, out of band, never limited

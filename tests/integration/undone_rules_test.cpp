@@ -27,6 +27,18 @@ TEST(Rules, OutrankAChangeThatWaitsForItsConfirmation) {
   EXPECT_EQ(rollback["uid"], nullptr);
 }
 
+TEST(Rules, WithStepsOfTheirOwnAreNamedByTheRollbackForThem) {
+  RulesDaemon daemon(supervised(R"({ "name": "loud", "when": "first.core.gain > 5",
+      "do": [{ "set": "first.core.gain", "value": 1.0 }] })"));
+
+  daemon.ask("param.set", {{"values", {{"first.core.gain", 6.0}}}, {"confirm_within", "600s"}});
+
+  ASSERT_TRUE(daemon.fired("loud", 1)) << daemon.rule("loud");
+  EXPECT_EQ(daemon.events("rolled_back", "before the steps given by rule loud began"), 1U);
+  EXPECT_EQ(daemon.events("transaction_applied", "the steps given by rule loud (first.core.gain"),
+            1U);
+}
+
 TEST(Rules, FireAgainWhenTheirActionIsUndone) {
   RulesDaemon daemon(supervised(kCapped));
   daemon.ask("param.set", {{"values", {{"first.core.gain", 6.0}}}, {"probation", "off"}});

@@ -165,7 +165,7 @@ std::uint64_t stops_of(const std::map<std::string, std::uint64_t>& stops, const 
 }
 
 Status may_begin(const Running& running, const Change& change) {
-  auto allowed = may_change(running, change);
+  auto allowed = check_lock_of_all(running, change);
   allowed = allowed ? check_quarantine(running, change) : allowed;
   return allowed ? check_abandoned_in(running, change) : allowed;
 }

@@ -103,7 +103,7 @@ void add_system(Page& page, const Running& running) {
 /// Counted since mauved began, also of methods that are not called any more.
 void add_commands(Page& page, const Counts& counts) {
   page.family("commands_total", "counter", "Requests that were answered, refused ones included.");
-  for (const auto& [method, count] : counts.commands()) {
+  for (const auto& [method, count] : counts.answers()) {
     page.sample({{"method", method}}, as_number(count));
   }
   page.family("refusals_total", "counter", "Requests that were refused, by the name of the error.");

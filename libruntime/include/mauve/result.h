@@ -26,8 +26,8 @@ enum class Errc {
   plugin_refused,  ///< a plugin file is missing, unsafe, damaged or incomplete
   not_permitted,   ///< the caller, or the process, lacks a privilege
   partly,          ///< in force on some components only
-  conflict,        ///< another change was quicker, or holds it; a rule tries again
-  timed_out,       ///< not finished in the time allowed; a rule tries again
+  conflict,        ///< another change was quicker, or holds it; a rule tries again soon
+  timed_out,       ///< not finished in the time allowed; a rule tries again soon
   limit,           ///< a size, count or depth limit
   unsupported,     ///< a known thing that this version does not do
   system,          ///< the operating system refused
@@ -39,7 +39,7 @@ enum class Errc {
 /// Why mauve refuses something: the kind, and the name of the entry that `mauvectl explain` prints.
 /// scripts/messages.py compares both with daemon/protocol/refusals.def.
 struct Reason {
-  Errc code;       ///< decides the exit code, and whether a rule tries again
+  Errc code;       ///< decides the exit code, and how soon a rule tries again
   const char* id;  ///< of the entry in docs/messages.md
 };
 

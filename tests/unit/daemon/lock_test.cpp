@@ -28,9 +28,11 @@ class LocksAndRoles : public Front<Bare> {
 TEST_F(LocksAndRoles, HoldEveryKindOfRequestButAStopAndAConfirmationUnderLockAll) {
   for (const auto lock : {Lock::none, Lock::params, Lock::topology, Lock::all}) {
     running.lock = lock;
-    EXPECT_EQ(may_change(running, Kind::other).has_value(), lock != Lock::all) << to_string(lock);
+    EXPECT_EQ(check_lock_of_all(running, Kind::other).has_value(), lock != Lock::all)
+        << to_string(lock);
     for (const auto kind : {Kind::stop, Kind::ending, Kind::harmless, Kind::steps}) {
-      EXPECT_TRUE(may_change(running, kind)) << to_string(lock) << " " << static_cast<int>(kind);
+      EXPECT_TRUE(check_lock_of_all(running, kind))
+          << to_string(lock) << " " << static_cast<int>(kind);
     }
   }
 }
@@ -52,12 +54,12 @@ TEST_F(LocksAndRoles, HoldEveryDifferenceButAStopUnderLockAll) {
 
   Change change;
   change.edits.emplace_back().mode = Mode::park;
-  EXPECT_TRUE(may_change(running, change));
+  EXPECT_TRUE(check_lock_of_all(running, change));
   change.edits.emplace_back().mode = Mode::run;
-  EXPECT_FALSE(may_change(running, change));
+  EXPECT_FALSE(check_lock_of_all(running, change));
   change.edits.back().mode = Mode::park;
   change.edits.back().properties.emplace_back("core.gain", 1.0);
-  EXPECT_FALSE(may_change(running, change)) << "it does more than to stop";
+  EXPECT_FALSE(check_lock_of_all(running, change)) << "it does more than to stop";
 }
 
 /// The lines of a change decide, whichever method makes it.
