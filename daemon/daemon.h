@@ -15,7 +15,6 @@
 #include "judge/judge.h"
 #include "monitor/guardian.h"
 #include "monitor/health_monitor.h"
-#include "monitor/supervisor.h"
 #include "monitor/watch.h"
 #include "options.h"
 #include "server/server.h"
@@ -23,6 +22,7 @@
 #include "state/deciding_paths.h"
 #include "state/recovery.h"
 #include "state/state_store.h"
+#include "supervision/supervisor.h"
 #include "trace/recorder.h"
 
 namespace mauve::daemon {

@@ -43,9 +43,12 @@ std::string render_pending(const Json& status, Look look) {
   for (const Json& one : list_in(status, "unknown_values")) {
     add(word(one, "address") + " is " + word(one, "text") + ": mauvectl rules");
   }
-  for (const Json& one : list_in(status, "refused_rules")) {
-    add("rule " + word(one, "rule") + " has no effect: " + word(one, "answer") + " (" +
-        word(one, "why_not") + "): mauvectl rules");
+  for (const Json& one : list_in(status, "blocked_rules")) {
+    const auto state = word(one, "state");
+    const bool may_not = state == "held" || state == "limited";
+    add("rule " + word(one, "rule") + " has no effect although its condition holds: " +
+        (may_not ? word(one, "why_not") : word(one, "answer") + " (" + word(one, "why_not") + ")") +
+        ": mauvectl rules");
   }
   if (const auto recovered = word(status, "recovered"); number(status, "recovered") > 0) {
     add("this run began with generation " + recovered +

@@ -5,7 +5,7 @@
 #include "commands/answer.h"
 #include "commands/change/architecture.h"
 #include "commands/model.h"
-#include "monitor/supervisor.h"
+#include "supervision/supervisor.h"
 
 namespace mauve::daemon {
 

@@ -11,8 +11,8 @@
 #include "commands/lock.h"
 #include "judge/judgement.h"
 #include "mauve/host/change.h"
-#include "monitor/supervisor.h"
 #include "protocol/in_words.h"
+#include "supervision/supervisor.h"
 
 namespace mauve::daemon {
 

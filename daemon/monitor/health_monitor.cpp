@@ -20,8 +20,8 @@
 #include "commands/recovery/quarantine.h"
 #include "commands/recovery/unproven.h"
 #include "mauve/host/architecture.h"
-#include "monitor/supervisor.h"
 #include "state/state_store.h"
+#include "supervision/supervisor.h"
 
 namespace mauve::daemon {
 

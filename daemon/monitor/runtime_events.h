@@ -4,7 +4,7 @@
 
 #include "log/log.h"
 #include "mauve/host/deployer.h"
-#include "monitor/supervisor.h"
+#include "supervision/supervisor.h"
 
 namespace mauve::daemon {
 

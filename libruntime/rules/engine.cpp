@@ -22,9 +22,28 @@ Duration pause_after(unsigned refusals) {
 
 }  // namespace
 
-Engine::Engine(std::vector<Rule> rules) : rules_(std::move(rules)) {
+Engine::Engine(std::vector<Rule> rules) {
+  replace(std::move(rules), [](const Rule&) { return false; });
+}
+
+void Engine::replace(std::vector<Rule> rules, const std::function<bool(const Rule&)>& keeps) {
+  std::vector<Watched> watched;
+  for (const Rule& rule : rules) {
+    const auto before = std::ranges::find(rules_, rule.name, &Rule::name);
+    if (before != rules_.end() && keeps(rule)) {
+      watched.push_back(std::move(watched_[static_cast<std::size_t>(before - rules_.begin())]));
+    } else {
+      watched.push_back({next_id_++, Trigger(rule.timing), {}, false, {}, {}, 0});
+    }
+  }
+  rules_ = std::move(rules);
+  watched_ = std::move(watched);
+  look_at_addresses();
+}
+
+void Engine::look_at_addresses() {
+  const auto before = std::exchange(seen_, {});
   for (const Rule& rule : rules_) {
-    watched_.push_back({Trigger(rule.timing), {}, false, {}, {}, 0});
     const auto looks_at = [&](const Condition& condition) {
       for (const Comparison& one : condition.comparisons()) {
         std::vector<std::string>& names = seen_[one.address].rules;
@@ -34,6 +53,17 @@ Engine::Engine(std::vector<Rule> rules) : rules_(std::move(rules)) {
     looks_at(rule.when);
     if (rule.until) looks_at(*rule.until);
   }
+  for (auto& [address, seen] : seen_) {
+    const auto known = before.find(address);
+    if (known == before.end()) continue;
+    seen.sight = known->second.sight;
+    seen.value = known->second.value;
+  }
+}
+
+Engine::Watched* Engine::find(RuleId rule) {
+  const auto found = std::ranges::find(watched_, rule, &Watched::id);
+  return found == watched_.end() ? nullptr : &*found;
 }
 
 void Engine::look(Instant now, const Read& read) {
@@ -91,26 +121,31 @@ std::vector<std::size_t> Engine::step(Instant now, const Read& read, const Held&
   return fired;
 }
 
-void Engine::answered(std::size_t rule, std::string answer, Ended ended) {
-  Watched& watched = watched_[rule];
-  watched.waits_for_answer = false;
-  watched.answer = std::move(answer);
-  if (ended == Ended::not_now) watched.trigger.try_again();
-  if (ended == Ended::done) watched.refusals = 0;
-  if (ended == Ended::refused) watched.trigger.try_again(pause_after(++watched.refusals));
+void Engine::answered(RuleId rule, std::string answer, Ended ended) {
+  Watched* const watched = find(rule);
+  if (watched == nullptr) return;
+  watched->waits_for_answer = false;
+  watched->answer = std::move(answer);
+  if (ended == Ended::not_now) watched->trigger.try_again();
+  if (ended == Ended::done) watched->refusals = 0;
+  if (ended == Ended::refused) watched->trigger.try_again(pause_after(++watched->refusals));
 }
 
-std::vector<std::size_t> Engine::refused() const {
+std::vector<std::size_t> Engine::blocked() const {
   std::vector<std::size_t> rules;
   for (std::size_t i = 0; i < watched_.size(); ++i) {
-    if (watched_[i].refusals > 0) rules.push_back(i);
+    const State state = watched_[i].trigger.state();
+    const bool may_not = state == State::held || state == State::limited;
+    if (watched_[i].refusals > 0 || may_not) rules.push_back(i);
   }
   return rules;
 }
 
-void Engine::undone(std::size_t rule) {
-  watched_[rule].trigger.fire_again();
-  watched_[rule].answer = "undone";
+void Engine::undone(RuleId rule) {
+  Watched* const watched = find(rule);
+  if (watched == nullptr) return;
+  watched->trigger.fire_again();
+  watched->answer = "undone";
 }
 
 Report Engine::report(std::size_t rule, Instant now, const Read& read) const {
@@ -150,7 +185,8 @@ std::string Engine::why_not(const Watched& watched, const Rule& rule, Instant no
       if (watched.refusals > 0) return "tries again in " + seconds(trigger.cooling(now)) + " s";
       return "cooling down " + seconds(trigger.cooling(now)) + " s more";
     case State::limited:
-      return "limit " + std::to_string(rule.timing.per_hour) + " an hour reached";
+      return "limit " + std::to_string(rule.timing.per_hour) + " an hour reached, for " +
+             seconds(trigger.limited(now)) + " s more";
     case State::held:
       return watched.held;
     case State::disabled:

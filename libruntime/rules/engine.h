@@ -16,6 +16,9 @@
 
 namespace mauve::rules {
 
+/// Names one rule as long as the engine lives: a rule that replaces it has another number.
+using RuleId = std::uint64_t;
+
 /// The state of a rule, for people.
 struct Report {
   State state = State::armed;
@@ -43,6 +46,10 @@ class Engine {
   explicit Engine(std::vector<Rule> rules);
 
   [[nodiscard]] const std::vector<Rule>& rules() const { return rules_; }
+  [[nodiscard]] RuleId id(std::size_t rule) const { return watched_[rule].id; }
+  /// These rules from now on. Those for which `keeps` is true are in force already and go on as
+  /// they are, by their names. The others begin anew, armed.
+  void replace(std::vector<Rule> rules, const std::function<bool(const Rule&)>& keeps);
 
   /// The rules that fire now, as indices. A rule that fired waits for its answer, then for its
   /// `until`. Without `held`, all may fire.
@@ -53,19 +60,21 @@ class Engine {
   /// All values that are unknown now and were reported as such.
   [[nodiscard]] std::vector<SightChange> lost() const;
   /// The result of the firing: "applied", "refused: ...". A rule tries again while its condition
-  /// holds, and no sooner than after its cool_down.
-  void answered(std::size_t rule, std::string answer, Ended ended = Ended::done);
-  /// The rules whose transaction is refused while their condition holds, as indices.
-  [[nodiscard]] std::vector<std::size_t> refused() const;
+  /// holds, and no sooner than after its cool_down. A rule that is gone is passed over.
+  void answered(RuleId rule, std::string answer, Ended ended = Ended::done);
+  /// The rules that have no effect although their condition holds, as indices: their transaction is
+  /// refused, or they may not fire now, or not so often.
+  [[nodiscard]] std::vector<std::size_t> blocked() const;
 
   /// The change that the firing made, or that left it nothing to do, was undone: the rule fires
-  /// again while its condition holds.
-  void undone(std::size_t rule);
+  /// again while its condition holds. A rule that is gone is passed over.
+  void undone(RuleId rule);
 
   [[nodiscard]] Report report(std::size_t rule, Instant now, const Read& read) const;
 
  private:
   struct Watched {
+    RuleId id;
     Trigger trigger;
     std::string error;  ///< why the condition cannot be evaluated
     bool waits_for_answer = false;
@@ -84,10 +93,14 @@ class Engine {
     std::vector<std::string> rules;
   };
 
+  [[nodiscard]] Watched* find(RuleId rule);
+  /// The addresses that the rules look at. A value that was seen before stays seen.
+  void look_at_addresses();
   void look(Instant now, const Read& read);
   /// The truth that counts: unknown is yes for a rule with Unknown::fire.
   [[nodiscard]] Truth answered_by(const Rule& rule, const Watched& watched, Truth truth) const;
 
+  RuleId next_id_ = 0;
   std::vector<Rule> rules_;
   std::vector<Watched> watched_;                   // by rule
   std::map<std::string, Seen, std::less<>> seen_;  // by address

@@ -3,7 +3,7 @@
 /// them, and the components that may ask for them. Plain data, as written in the file. Any other
 /// key at the top of the file that describes no element belongs here too: beside the elements only
 /// the Supervision reaches describe(), compare() and the running daemon. Any difference in it ends
-/// the open probations and arms all rules anew.
+/// the open probations.
 #pragma once
 
 #include <cstdint>

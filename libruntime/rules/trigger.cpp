@@ -59,6 +59,11 @@ State Trigger::next(Instant now, Truth when, Truth rearm) {
 
 Duration Trigger::held(Instant now) const { return Duration{since_ ? now - *since_ : 0}; }
 
+Duration Trigger::limited(Instant now) const {
+  if (this_hour_.size() < timing_.per_hour) return Duration{0};
+  return std::max(Duration{0}, Duration{1h} - Duration{now - this_hour_.front()});
+}
+
 Duration Trigger::cooling(Instant now) const {
   if (!last_) return Duration{0};
   return std::max(Duration{0}, std::max(timing_.cool_down, pause_) - Duration{now - *last_});

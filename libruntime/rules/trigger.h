@@ -51,6 +51,8 @@ class Trigger {
   [[nodiscard]] const Timing& timing() const { return timing_; }
   /// How long the condition has held without a break, at `now`.
   [[nodiscard]] Duration held(Instant now) const;
+  /// How long it may not fire because it fired so often in the last hour, at `now`.
+  [[nodiscard]] Duration limited(Instant now) const;
   /// How much longer it cools down, at `now`.
   [[nodiscard]] Duration cooling(Instant now) const;
   [[nodiscard]] std::uint64_t times() const { return times_; }

@@ -100,15 +100,16 @@ TEST(Rules, ThatAreRefusedChangeNothingAndTryAgainWhileTheirConditionHolds) {
   EXPECT_TRUE(eventually([&] { return daemon.events("transaction_refused", "liking") == 1; }));
   EXPECT_TRUE(eventually([&] { return daemon.rule("loud")["state"] == "cooling_down"; }));
   EXPECT_THAT(daemon.rule("loud")["why_not"].get<std::string>(), HasSubstr("tries again in"));
-  const auto refused = daemon.ask("status.get")["refused_rules"];
+  const auto refused = daemon.ask("status.get")["blocked_rules"];
   ASSERT_EQ(refused.size(), 1U);
   EXPECT_EQ(refused[0]["rule"], "loud");
-  EXPECT_THAT(daemon.ctl({"status"}).out, HasSubstr("rule loud has no effect: refused: "));
+  EXPECT_THAT(daemon.ctl({"status"}).out,
+              HasSubstr("rule loud has no effect although its condition holds: refused: "));
   EXPECT_TRUE(daemon.fired("loud", 2)) << daemon.rule("loud");
 
   daemon.set("first.core.gain", 1.0);
   EXPECT_TRUE(eventually([&] { return daemon.rule("loud")["state"] == "armed"; }));
-  EXPECT_THAT(daemon.ask("status.get")["refused_rules"], testing::IsEmpty());
+  EXPECT_THAT(daemon.ask("status.get")["blocked_rules"], testing::IsEmpty());
 }
 
 /// The file has a core with a state, and the rule puts one in place that has no place for it.

@@ -55,6 +55,64 @@ TEST(Rules, FireAgainWhenTheirActionIsUndone) {
   EXPECT_EQ(daemon.ask("param.get", {{"address", "first.core.gain"}})["value"], 1.0);
 }
 
+constexpr const char* kQuiet = R"({ "name": "quiet", "when": "first.core.gain < 0", "do": "rest",
+                                  "per_hour": 3 })";
+
+TEST(Rules, ThatAFileDoesNotChangeGoOnAsTheyAre) {
+  const std::string sticky = R"({ "name": "sticky", "when": "first.core.gain > 5",
+      "until": "first.core.gain < 0.5", "do": "calm", "cool_down": "1ms" })";
+  RulesDaemon daemon(supervised(sticky));
+  daemon.ask("param.set", {{"values", {{"first.core.gain", 6.0}}}, {"probation", "off"}});
+  ASSERT_TRUE(daemon.fired("sticky", 1)) << daemon.rule("sticky");
+  daemon.ask("param.set", {{"values", {{"first.core.gain", 7.0}}}, {"probation", "off"}});
+  const auto running = daemon.ask("config.get")["architecture"];
+
+  auto wanted = running;
+  wanted["rules"].push_back(Json::parse(kQuiet));
+  const auto added = daemon.ask("architecture.apply", {{"text", wanted.dump()}});
+  EXPECT_FALSE(added.contains("error")) << added;
+  EXPECT_EQ(daemon.rule("sticky")["fired"], 1) << "it has fired, and is not armed yet";
+  EXPECT_EQ(daemon.rule("sticky")["state"], "fired");
+
+  wanted["rules"][0]["cool_down"] = "2ms";
+  const auto plan = daemon.ask("architecture.apply", {{"text", wanted.dump()}, {"dry_run", true}});
+  EXPECT_THAT(plan["notes"].dump(),
+              HasSubstr("rule sticky begins armed, and its condition holds "
+                        "now (first.core.gain is 7): the rule fires at once"));
+  daemon.ask("architecture.apply", {{"text", wanted.dump()}});
+  EXPECT_TRUE(eventually([&] { return daemon.rule("sticky")["state"] == "fired"; }));
+  EXPECT_TRUE(eventually([&] {
+    return daemon.ask("param.get", {{"address", "first.core.gain"}})["value"] == 1.0;
+  }));
+}
+
+TEST(Rules, ThatAnUndoTakesAwayDoNotFireAgain) {
+  RulesDaemon daemon(supervised(kQuiet));
+  auto wanted = daemon.ask("config.get")["architecture"];
+  wanted["rules"].push_back(Json::parse(kCapped));
+  daemon.ask("architecture.apply", {{"text", wanted.dump()}});
+  daemon.ask("param.set", {{"values", {{"first.core.gain", 6.0}}}});
+  ASSERT_TRUE(daemon.fired("capped", 1)) << daemon.rule("capped");
+
+  const auto plan = daemon.ask("change.undo", {{"generation", 2}, {"dry_run", true}});
+
+  EXPECT_THAT(plan.dump(), Not(HasSubstr("fires again"))) << plan;
+}
+
+TEST(Rules, ThatALockHoldsAreReportedOnceAndShownByStatus) {
+  RulesDaemon daemon(
+      supervised(R"({ "name": "busy", "when": "second.core.count > 20", "do": "deaf" })"));
+  daemon.ask("lock.set", {{"lock", "all"}});
+
+  ASSERT_TRUE(eventually([&] { return daemon.rule("busy")["state"] == "held"; }));
+
+  EXPECT_TRUE(eventually([&] { return daemon.events("rule_blocked", "rule busy") == 1; }));
+  EXPECT_THAT(daemon.ctl({"status"}).out,
+              HasSubstr("rule busy has no effect although its condition "
+                        "holds: everything is locked"));
+  EXPECT_EQ(daemon.events("rule_blocked"), 1U);
+}
+
 TEST(Rules, FireAgainWhenTheChangeThatTheyReliedOnIsUndone) {
   RulesDaemon daemon(supervised(
       R"({ "name": "loud", "when": "first.core.gain > 5", "do": "deaf", "cool_down": "1ms" })"));

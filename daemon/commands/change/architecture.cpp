@@ -33,7 +33,7 @@
 #include "commands/recovery/quarantine.h"
 #include "commands/say.h"
 #include "mauve/host/architecture.h"
-#include "monitor/supervisor.h"
+#include "supervision/supervisor.h"
 
 namespace mauve::daemon {
 
@@ -64,7 +64,9 @@ class Application final : public ChangeHooks {
   void load() {
     wanted_ = arch::load(text_, catalog_, problems_, &supervision_);
     if (problems_.empty()) {
-      notes_on_rules_ = arch::notes_on(supervision_, *wanted_, catalog_);
+      for (const auto& note : arch::notes_on(supervision_, *wanted_, catalog_)) {
+        notes_on_rules_.push_back(to_string(note));
+      }
     }
   }
   [[nodiscard]] const arch::Problems& problems() const { return problems_; }
@@ -154,13 +156,9 @@ class Application final : public ChangeHooks {
     if (dry_run_) {
       result["dry_run"] = true;
     }
-    std::vector<std::string> notes;
-    if (saved_) {
-      notes = notes_on(saved_->number, other_builds(saved_->builds, catalog_));
-    }
-    for (const auto& note : supervises_ ? notes_on_rules_ : std::vector<Wiring::Note>()) {
-      notes.push_back(to_string(note));
-    }
+    auto notes = saved_ ? notes_on(saved_->number, other_builds(saved_->builds, catalog_))
+                        : std::vector<std::string>();
+    notes.insert(notes.end(), notes_on_rules_.begin(), notes_on_rules_.end());
     const auto source = saved_ ? "generation " + std::to_string(saved_->number) : "the file";
     std::ranges::move(notes_on_starts(difference_.lines, source, dry_run_),
                       std::back_inserter(notes));
@@ -184,6 +182,11 @@ class Application final : public ChangeHooks {
     compared_with_ = running_.supervisor.adoptions();
     auto lines = arch::compare(running_.supervisor.supervision(), supervision_);
     supervises_ = !lines.empty();
+    std::ranges::move(running_.supervisor.notes_on_change(supervision_),
+                      std::back_inserter(notes_on_rules_));
+    if (!supervises_) {
+      notes_on_rules_.clear();
+    }
     std::ranges::move(lines, std::back_inserter(difference_.lines));
   }
 
@@ -197,7 +200,7 @@ class Application final : public ChangeHooks {
   arch::Difference difference_;
   bool elements_ = false;
   rules::Supervision supervision_;
-  std::vector<Wiring::Note> notes_on_rules_;
+  std::vector<std::string> notes_on_rules_;
   std::uint64_t compared_with_ = 0;   // see Supervisor::adoptions()
   bool supervises_ = false;           // its rules, transactions or permissions are others
   std::vector<std::string> plugins_;  // not loaded yet
@@ -261,15 +264,9 @@ Status check_nothing_to_prove(const Json& params) {
 void load_only(Running& running, const Call& call, Application& application) {
   MAUVE_ON_THREAD(control);
   auto good = check_nothing_to_prove(call.params);
-  if (good) {
-    good = check_conditions(running, call);
-  }
-  if (good) {
-    good = application.check_loaded();
-  }
-  if (good) {
-    good = may_change(running, call, *application.lines());
-  }
+  good = good ? check_conditions(running, call) : good;
+  good = good ? application.check_loaded() : good;
+  good = good ? may_change(running, call, *application.lines()) : good;
   if (!good) {
     return answer(running, call, good.error());
   }

@@ -2,7 +2,7 @@
 /// rules.list: the conditions that the rules wait for, and their firings.
 #include "commands/answer.h"
 #include "commands/lock.h"
-#include "monitor/supervisor.h"
+#include "supervision/supervisor.h"
 
 namespace mauve::daemon {
 

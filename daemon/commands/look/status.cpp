@@ -14,8 +14,9 @@
 #include "mauve/host/architecture.h"
 #include "mauve/host/version.h"
 #include "monitor/guardian.h"
-#include "monitor/supervisor.h"
 #include "state/state_store.h"
+#include "supervision/rule_rows.h"
+#include "supervision/supervisor.h"
 
 namespace mauve::daemon {
 
@@ -157,24 +158,26 @@ Result<Json> status(Running& running, const Call& /*call*/) {
     rows.push_back(row_of(running, one));
   }
   const std::chrono::duration<double> up = std::chrono::steady_clock::now() - running.since;
-  Json result = {{"generation", running.deployer.generation()},
-                 {"architecture", running.architecture.name()},
-                 {"uptime_s", up.count()},
-                 {"t_ns", running.deployer.clock().now() - running.deployer.t0()},
-                 {"realtime", running.deployer.realtime()},
-                 {"lock", to_string(running.lock)},
-                 {"locked", lock_request(running)},
-                 {"log_levels", log_levels_json(running)},
-                 {"components", std::move(rows)},
-                 {"poisoned", poisoned(running)},
-                 {"abandoned_threads", abandoned_threads(running)},
-                 {"lost_to_quarantine", lost_to_quarantine(running)},
-                 {"probations", probations(running)},
-                 {"notes", notes_of(running)},
-                 {"unknown_values", running.supervisor.lost_values()},
-                 {"refused_rules", running.supervisor.refused_rules()},
-                 {"recovered", running.recovered == 0 ? Json() : Json(running.recovered)},
-                 {"quarantine", running.quarantined.size()}};
+  Json result = {
+      {"generation", running.deployer.generation()},
+      {"architecture", running.architecture.name()},
+      {"uptime_s", up.count()},
+      {"t_ns", running.deployer.clock().now() - running.deployer.t0()},
+      {"realtime", running.deployer.realtime()},
+      {"lock", to_string(running.lock)},
+      {"locked", lock_request(running)},
+      {"log_levels", log_levels_json(running)},
+      {"components", std::move(rows)},
+      {"poisoned", poisoned(running)},
+      {"abandoned_threads", abandoned_threads(running)},
+      {"lost_to_quarantine", lost_to_quarantine(running)},
+      {"probations", probations(running)},
+      {"notes", notes_of(running)},
+      {"unknown_values", lost_values(running.supervisor.engine())},
+      {"blocked_rules", blocked_rules(running.supervisor.engine(), running.deployer.clock().now(),
+                                      running.supervisor.reader())},
+      {"recovered", running.recovered == 0 ? Json() : Json(running.recovered)},
+      {"quarantine", running.quarantined.size()}};
   if (running.guardian != nullptr) {
     result["guardian"] = running.guardian->json();
   }

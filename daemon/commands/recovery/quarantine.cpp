@@ -9,8 +9,8 @@
 #include "commands/answer.h"
 #include "commands/model.h"
 #include "mauve/host/architecture.h"
-#include "monitor/supervisor.h"
 #include "state/state_store.h"
+#include "supervision/supervisor.h"
 
 namespace mauve::daemon {
 

@@ -65,4 +65,22 @@ std::vector<Line> compare(const rules::Supervision& present, const rules::Superv
   return lines;
 }
 
+std::vector<std::string> changed_rules(const rules::Supervision& present,
+                                       const rules::Supervision& wanted) {
+  std::vector<Line> lines;
+  compare_named("transactions", describe_transactions(present), describe_transactions(wanted),
+                lines);
+  compare_named("rules", rules_by_name(present), rules_by_name(wanted), lines);
+  const auto differs = [&lines](const std::string& address) {
+    return std::ranges::find(lines, address, &Line::address) != lines.end();
+  };
+  std::vector<std::string> names;
+  for (const rules::Rule& rule : wanted.rules) {
+    if (differs("rules." + rule.name) || differs("transactions." + rule.transaction)) {
+      names.push_back(rule.name);
+    }
+  }
+  return names;
+}
+
 }  // namespace mauve::arch

@@ -2,6 +2,7 @@
 /// Two supervisions compared.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "arch/compare/diff.h"
@@ -13,5 +14,10 @@ namespace mauve::arch {
 /// are the same but for their order. Nothing differs: empty. [any]
 [[nodiscard]] std::vector<Line> compare(const rules::Supervision& present,
                                         const rules::Supervision& wanted);
+
+/// The names of the wanted rules that are new, or differ, or apply a transaction that differs.
+/// [any]
+[[nodiscard]] std::vector<std::string> changed_rules(const rules::Supervision& present,
+                                                     const rules::Supervision& wanted);
 
 }  // namespace mauve::arch

@@ -15,8 +15,8 @@
 
 #include "commands/table.h"
 #include "judge/judge.h"
-#include "monitor/supervisor.h"
 #include "monitor/watch.h"
+#include "supervision/supervisor.h"
 #include "support/answer_check.h"
 
 namespace mauve::daemon {

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // The generations that rules and components made, as an undo names them.
-#include "monitor/makers.h"
+#include "supervision/makers.h"
 
 #include <gtest/gtest.h>
 
 namespace mauve::daemon {
 namespace {
-
-constexpr std::uint64_t kAdoption = 1;
 
 rules::Steps set_gain() {
   rules::Step step;
@@ -23,21 +21,30 @@ std::vector<OpenProbation> open_probation() {
   return {open};
 }
 
-TEST(Makers, NameARuleOnceThatMadeAChangeAndThenReliedOnIt) {
+TEST(Makers, NameTheGenerationsOfOneRuleTogether) {
   Makers makers;
-  makers.remember(2, {"by rule loud", 0, kAdoption});
-
-  for (int i = 0; i < 2; ++i) {
-    makers.rely(open_probation(), set_gain(), {"relied on by rule loud", 0, kAdoption});
-    makers.rely(open_probation(), set_gain(), {"relied on by rule quiet", 1, kAdoption});
+  for (const std::uint64_t generation : {4, 5, 6}) {
+    makers.remember(generation, {"by rule loud", 0});
   }
 
-  EXPECT_EQ(makers.notes_on({2, 3}, kAdoption),
+  EXPECT_EQ(makers.notes_on({4, 6}, [](rules::RuleId) { return false; }),
+            (std::vector<std::string>{"generations 4, 6 were made by rule loud"}));
+}
+
+TEST(Makers, NameARuleOnceThatMadeAChangeAndThenReliedOnIt) {
+  Makers makers;
+  makers.remember(2, {"by rule loud", 0});
+
+  for (int i = 0; i < 2; ++i) {
+    makers.rely(open_probation(), set_gain(), {"relied on by rule loud", 0});
+    makers.rely(open_probation(), set_gain(), {"relied on by rule quiet", 1});
+  }
+
+  EXPECT_EQ(makers.notes_on({2, 3}, [](rules::RuleId rule) { return rule == 0; }),
             (std::vector<std::string>{
                 "generation 2 was made by rule loud, which fires again while its condition holds",
-                "generation 3 is relied on by rule quiet, which fires again while its condition "
-                "holds"}));
-  EXPECT_EQ(makers.forget({2, 3}, kAdoption), (std::vector<std::size_t>{0, 1}));
+                "generation 3 is relied on by rule quiet"}));
+  EXPECT_EQ(makers.forget({2, 3}), (std::vector<rules::RuleId>{0, 1}));
 }
 
 }  // namespace

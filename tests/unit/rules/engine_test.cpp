@@ -97,7 +97,7 @@ TEST_F(Rules, ThatAreRefusedTryAgainAtGrowingPausesWhileTheirConditionHolds) {
 
   for (const Duration pause : std::vector<Duration>{1s, 2s, 4s, 8s, 16s, 32s, 1min, 1min}) {
     engine.answered(0, "refused: its state would be lost", Ended::refused);
-    EXPECT_EQ(engine.refused(), Fired{0});
+    EXPECT_EQ(engine.blocked(), Fired{0});
     EXPECT_EQ(after(engine, pause - 10ms), Fired{});
     EXPECT_EQ(report(engine).why_not, "tries again in 0.01 s");
     EXPECT_EQ(after(engine, 10ms), Fired{0});
@@ -105,14 +105,56 @@ TEST_F(Rules, ThatAreRefusedTryAgainAtGrowingPausesWhileTheirConditionHolds) {
   engine.answered(0, "refused: its state would be lost", Ended::refused);
   values_["gnss.core.satellites"] = 9;
   EXPECT_EQ(after(engine, 2min), Fired{});
-  EXPECT_EQ(engine.refused(), Fired{}) << "there is nothing to do any more";
+  EXPECT_EQ(engine.blocked(), Fired{}) << "there is nothing to do any more";
 
   values_["gnss.core.satellites"] = 3;
   EXPECT_EQ(after(engine, 10ms), Fired{0});
   engine.answered(0, "refused: its state would be lost", Ended::refused);
   EXPECT_EQ(after(engine, 1s), Fired{0}) << "the pauses begin anew";
   engine.answered(0, "applied");
-  EXPECT_EQ(engine.refused(), Fired{});
+  EXPECT_EQ(engine.blocked(), Fired{});
+}
+
+TEST_F(Rules, GoOnAsTheyAreWhenOthersChange) {
+  Engine engine({rule("few", "gnss.core.satellites < 4", {0s, 0s, 60}),
+                 rule("other", "gnss.core.satellites < 4", {0s, 0s, 60})});
+  values_["gnss.core.satellites"] = 3;
+  EXPECT_EQ(after(engine, 10ms), (Fired{0, 1}));
+  const RuleId few = engine.id(0);
+  const RuleId other = engine.id(1);
+
+  const auto kept = [](const Rule& one) { return one.name == "few"; };
+  engine.replace({rule("new", "gnss.core.satellites > 100"),
+                  rule("few", "gnss.core.satellites < 4", {0s, 0s, 60}),
+                  rule("other", "gnss.core.satellites < 5", {0s, 0s, 60})},
+                 kept);
+
+  EXPECT_EQ(engine.id(1), few);
+  EXPECT_NE(engine.id(2), other);
+  EXPECT_EQ(after(engine, 10ms), Fired{2}) << "the changed rule begins anew, armed";
+  engine.answered(few, "applied");
+  engine.answered(other, "refused: the rule is gone", Ended::refused);
+  EXPECT_EQ(engine.report(1, now_, read_).answer, "applied");
+  EXPECT_EQ(engine.report(2, now_, read_).answer, "under way");
+  EXPECT_EQ(after(engine, 10ms), Fired{}) << "it has fired";
+}
+
+TEST_F(Rules, AreBlockedWhileALockOrTheirLimitKeepsThemFromFiring) {
+  Engine engine({rule("few", "gnss.core.satellites < 4", {0s, 0s, 1})});
+  values_["gnss.core.satellites"] = 3;
+  now_ += 10'000'000;
+  const Held locked = [](const Rule&) { return std::string_view("everything is locked"); };
+  EXPECT_EQ(engine.step(now_, read_, locked), Fired{});
+  EXPECT_EQ(engine.blocked(), Fired{0});
+
+  EXPECT_EQ(after(engine, 10ms), Fired{0});
+  EXPECT_EQ(engine.blocked(), Fired{});
+  engine.answered(0, "applied");
+  values_["gnss.core.satellites"] = 9;
+  EXPECT_EQ(after(engine, 10ms), Fired{});
+  values_["gnss.core.satellites"] = 3;
+  EXPECT_EQ(after(engine, 10ms), Fired{});
+  EXPECT_EQ(engine.blocked(), Fired{0}) << "once an hour";
 }
 
 TEST_F(Rules, SayWhyTheyDoNotFire) {
@@ -141,7 +183,7 @@ TEST_F(Rules, SayWhyTheyDoNotFire) {
   EXPECT_EQ(after(engine, 20ms), Fired{});
   EXPECT_EQ(report(engine).why_not, "cooling down 2.98 s more");
   EXPECT_EQ(after(engine, 5s), Fired{});
-  EXPECT_EQ(report(engine).why_not, "limit 1 an hour reached");
+  EXPECT_EQ(report(engine).why_not, "limit 1 an hour reached, for 3.59e+03 s more");
   EXPECT_EQ(report(engine).times, 1U);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "monitor/makers.h"
+#include "supervision/makers.h"
 
 #include <algorithm>
 #include <utility>
@@ -32,20 +32,18 @@ bool Makers::is_remembered(const std::vector<std::uint64_t>& generations,
   return std::ranges::any_of(generations, [&](std::uint64_t generation) {
     const auto [first, last] = makers_.equal_range(generation);
     return std::any_of(first, last, [&](const auto& made) {
-      const auto& [by, rule, adoption] = made.second;
-      const bool is_same_rule = rule && rule == maker.rule && adoption == maker.adoption;
-      return is_same_rule || by == maker.by;
+      const auto& [by, rule] = made.second;
+      return (rule && rule == maker.rule) || by == maker.by;
     });
   });
 }
 
-std::vector<std::size_t> Makers::forget(const std::vector<std::uint64_t>& generations,
-                                        std::uint64_t adoption) {
-  std::vector<std::size_t> rules;
+std::vector<rules::RuleId> Makers::forget(const std::vector<std::uint64_t>& generations) {
+  std::vector<rules::RuleId> rules;
   for (const auto generation : generations) {
     const auto [first, last] = makers_.equal_range(generation);
     for (auto made = first; made != last; ++made) {
-      if (made->second.rule && made->second.adoption == adoption) {
+      if (made->second.rule) {
         rules.push_back(*made->second.rule);
       }
     }
@@ -55,17 +53,28 @@ std::vector<std::size_t> Makers::forget(const std::vector<std::uint64_t>& genera
 }
 
 std::vector<std::string> Makers::notes_on(const std::vector<std::uint64_t>& generations,
-                                          std::uint64_t adoption) const {
-  std::vector<std::string> notes;
+                                          const std::function<bool(rules::RuleId)>& goes_on) const {
+  std::map<std::string, std::pair<std::string, const Maker*>> all;  // by their words
   for (const auto generation : generations) {
     const auto [first, last] = makers_.equal_range(generation);
     for (auto made = first; made != last; ++made) {
-      const auto& [by, rule, of] = made->second;
-      notes.push_back(
-          "generation " + std::to_string(generation) +
-          (by.starts_with("by") ? " was made " : " is ") + by +
-          (rule && of == adoption ? ", which fires again while its condition holds" : ""));
+      auto& [numbers, maker] = all[made->second.by];
+      numbers += (numbers.empty() ? "" : ", ") + std::to_string(generation);
+      maker = &made->second;
     }
+  }
+  std::vector<std::string> notes;
+  for (const auto& [by, made] : all) {
+    const auto& [numbers, maker] = made;
+    const bool one = numbers.find(',') == std::string::npos;
+    notes.push_back((one ? "generation " : "generations ") + numbers +
+                    (by.starts_with("by") ? one ? " was made " : " were made "
+                     : one                ? " is "
+                                          : " are ") +
+                    by +
+                    (maker->rule && goes_on(*maker->rule)
+                         ? ", which fires again while its condition holds"
+                         : ""));
   }
   return notes;
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "monitor/supervisor.h"
+#include "supervision/supervisor.h"
 
 #include <algorithm>
 
+#include "arch/compare/diff_rules.h"
 #include "arch/parse/transaction.h"
-#include "arch/text/value_json.h"
 #include "base/duration.h"
 #include "base/mutex.h"
 #include "base/name.h"
@@ -14,7 +14,8 @@
 #include "commands/change/change.h"
 #include "commands/lock.h"
 #include "commands/look/value.h"
-#include "monitor/transaction.h"
+#include "supervision/rule_rows.h"
+#include "supervision/transaction.h"
 
 namespace mauve::daemon {
 
@@ -25,37 +26,23 @@ using logging::Event;
 constexpr std::chrono::milliseconds kLookEvery{10};
 constexpr const char* kGivenSteps = "the steps given";  // "by rule loud", in "do"
 
+/// A rule has no command line for the option that a refusal proposes to a user.
+std::string hint_of(const Fault& fault) {
+  return fault.hint.find("--state drop") == std::string::npos
+             ? fault.hint
+             : "write \"state\": \"drop\" in the step of the swap if the state may go, or give the "
+               "new core a place for it";
+}
+
 std::string said(const Fault& fault) {
+  const auto hint = hint_of(fault);
   return (fault.where.empty() ? "" : fault.where + ": ") + fault.message +
-         (fault.hint.empty() ? "" : " (" + fault.hint + ")");
+         (hint.empty() ? "" : " (" + hint + ")");
 }
 
 /// Locked, busy, or another change was quicker: the same may succeed a moment later.
 bool is_a_matter_of_time(const Fault& fault) {
   return fault.name == to_string(Errc::conflict) || fault.name == to_string(Errc::timed_out);
-}
-
-std::string shown(const Value& value) { return value.is_null() ? "not there" : to_string(value); }
-
-/// "rule too_hot cannot be judged and does not fire (when_unknown hold)".
-std::string consequence(const rules::Engine& engine, const rules::SightChange& change) {
-  std::string holding;
-  std::string firing;
-  for (const auto& rule : engine.rules()) {
-    if (std::ranges::find(change.rules, rule.name) == change.rules.end()) {
-      continue;
-    }
-    auto& names = rule.when_unknown == rules::Unknown::fire ? firing : holding;
-    names += (names.empty() ? "" : ", ") + rule.name;
-  }
-  std::string text;
-  if (!holding.empty()) {
-    text = "rule " + holding + " cannot be judged and does not fire (when_unknown is hold)";
-  }
-  if (!firing.empty()) {
-    text += (text.empty() ? "rule " : "; rule ") + firing + " fires (when_unknown is fire)";
-  }
-  return text;
 }
 
 /// Else there is nothing to prove: a late job must not undo a removal by a rule.
@@ -68,9 +55,12 @@ bool brings_something_new(const rules::Steps& steps) {
 }  // namespace
 
 void Supervisor::adopt(rules::Supervision supervision, std::uint64_t generation) {
+  const auto changed = arch::changed_rules(supervision_, supervision);
   before_ = std::exchange(supervision_, std::move(supervision));
   adopted_in_ = generation;
-  engine_ = rules::Engine(supervision_.rules);
+  engine_.replace(supervision_.rules, [&changed](const rules::Rule& rule) {
+    return std::ranges::find(changed, rule.name) == changed.end();
+  });
   ++adoptions_;
   if (running_ != nullptr) {
     begin_to_look();
@@ -80,7 +70,7 @@ void Supervisor::adopt(rules::Supervision supervision, std::uint64_t generation)
 /// At most one change on probation brings rules: another one ends the probation of the first.
 void Supervisor::roll_back(const std::vector<std::uint64_t>& generations, bool failed) {
   MAUVE_ON_THREAD(control);
-  for (const auto rule : makers_.forget(generations, adoptions_)) {
+  for (const auto rule : makers_.forget(generations)) {
     if (!failed) {
       engine_.undone(rule);
     }
@@ -88,6 +78,40 @@ void Supervisor::roll_back(const std::vector<std::uint64_t>& generations, bool f
   if (adopted_in_ != 0 && std::ranges::find(generations, adopted_in_) != generations.end()) {
     adopt(std::move(before_));
   }
+}
+
+std::vector<std::string> Supervisor::notes_on(const std::vector<std::uint64_t>& generations) const {
+  MAUVE_ON_THREAD(control);
+  const bool brings_back =
+      adopted_in_ != 0 && std::ranges::find(generations, adopted_in_) != generations.end();
+  const auto changed =
+      brings_back ? arch::changed_rules(before_, supervision_) : std::vector<std::string>();
+  return makers_.notes_on(generations, [&](rules::RuleId id) {
+    for (std::size_t i = 0; i < engine_.rules().size(); ++i) {
+      if (engine_.id(i) == id) {
+        return std::ranges::find(changed, engine_.rules()[i].name) == changed.end();
+      }
+    }
+    return false;
+  });
+}
+
+std::vector<std::string> Supervisor::notes_on_change(const rules::Supervision& wanted) const {
+  MAUVE_ON_THREAD(control);
+  const auto changed = arch::changed_rules(supervision_, wanted);
+  std::vector<std::string> notes;
+  for (const auto& rule : wanted.rules) {
+    std::string error;
+    const bool begins_anew = std::ranges::find(changed, rule.name) != changed.end();
+    if (!begins_anew || rule.when.evaluate(reader(), error) != rules::Truth::yes) {
+      continue;
+    }
+    const auto hold = rule.timing.hold;
+    notes.push_back("rule " + rule.name + " begins armed, and its condition holds now (" +
+                    rules::in_words(rule.when.values(reader())) + "): the rule fires " +
+                    (hold > Duration{0} ? "after " + format_duration(hold) : "at once"));
+  }
+  return notes;
 }
 
 void Supervisor::start(Running& running) {
@@ -141,6 +165,26 @@ void Supervisor::look() {
   for (const auto rule : fired) {
     fire(rule);
   }
+  report_blocked();
+}
+
+/// A refused rule has an event of its own at each try. A condition may come and go quickly, so a
+/// rule is reported once a minute at most.
+void Supervisor::report_blocked() {
+  const auto now = running_->deployer.clock().now();
+  for (const auto rule : engine_.blocked()) {
+    const auto report = engine_.report(rule, now, reader());
+    const bool may_not =
+        report.state == rules::State::held || report.state == rules::State::limited;
+    const auto reported = blocked_at_.find(engine_.id(rule));
+    const bool lately = reported != blocked_at_.end() &&
+                        now - reported->second < std::chrono::nanoseconds(1min).count();
+    if (may_not && !lately) {
+      blocked_at_[engine_.id(rule)] = now;
+      running_->log.write(Event::rule_blocked,
+                          {{"rule", engine_.rules()[rule].name}, {"text", report.why_not}});
+    }
+  }
 }
 
 void Supervisor::report_sight(const rules::SightChange& change) {
@@ -149,30 +193,6 @@ void Supervisor::report_sight(const rules::SightChange& change) {
     fields.push_back({"text", consequence(engine_, change)});
   }
   running_->log.write(change.lost ? Event::value_unknown : Event::value_known, std::move(fields));
-}
-
-Json Supervisor::lost_values() const {
-  MAUVE_ON_THREAD(control);
-  Json rows = Json::array();
-  for (const auto& one : engine_.lost()) {
-    rows.push_back({{"address", one.address},
-                    {"value", arch::to_json(one.value)},
-                    {"rules", one.rules},
-                    {"text", shown(one.value) + ": " + consequence(engine_, one)}});
-  }
-  return rows;
-}
-
-Json Supervisor::refused_rules() const {
-  MAUVE_ON_THREAD(control);
-  Json rows = Json::array();
-  for (const auto rule : engine_.refused()) {
-    const auto report = engine_.report(rule, running_->deployer.clock().now(), reader());
-    rows.push_back({{"rule", engine_.rules()[rule].name},
-                    {"answer", report.answer},
-                    {"why_not", report.why_not}});
-  }
-  return rows;
 }
 
 const rules::Steps& Supervisor::steps_of(const rules::Rule& rule) const {
@@ -198,17 +218,14 @@ void Supervisor::fire(std::size_t index) {
                     steps_of(rule),
                     {},
                     values,
-                    index};
+                    engine_.id(index)};
   running_->log.write(
       Event::rule_fired,
       {{"rule", rule.name},
        {"transaction", rule.transaction.empty() ? "its own steps" : rule.transaction},
        {"text", values}});
-  dispatch.done = [this, index, adoption = adoptions_](const std::string& answer,
-                                                       rules::Ended ended) {
-    if (adoption == adoptions_) {
-      engine_.answered(index, answer, ended);
-    }
+  dispatch.done = [this, id = engine_.id(index)](const std::string& answer, rules::Ended ended) {
+    engine_.answered(id, answer, ended);
   };
   carry_out(std::move(dispatch));
 }
@@ -314,11 +331,10 @@ void Supervisor::conclude(const Dispatch& dispatch, const server::Outcome& outco
   } else {
     const auto& receipt = std::get<Json>(outcome);
     if (text_or(receipt, "state") == "applied") {
-      makers_.remember(receipt["generation"].get<std::uint64_t>(),
-                       {dispatch.by, dispatch.rule, adoptions_});
+      makers_.remember(receipt["generation"].get<std::uint64_t>(), {dispatch.by, dispatch.rule});
     } else {
       makers_.rely(running_->deployer.probations(), dispatch.steps,
-                   {"relied on " + dispatch.by, dispatch.rule, adoptions_});
+                   {"relied on " + dispatch.by, dispatch.rule});
     }
     answer = text_or(receipt, "state") + ", generation " + receipt["generation"].dump();
     const auto lines = changes_of(receipt);
@@ -343,7 +359,7 @@ Result<Json> Supervisor::list(const std::string& rule) const {
   for (std::size_t i = 0; i < engine_.rules().size(); ++i) {
     names.push_back(engine_.rules()[i].name);
     if (rule.empty() || rule == names.back()) {
-      rows.push_back(row(i, now));
+      rows.push_back(rule_row(engine_, i, now, running_->deployer.t0(), reader()));
     }
   }
   if (!rule.empty() && rows.empty()) {
@@ -351,30 +367,6 @@ Result<Json> Supervisor::list(const std::string& rule) const {
                   known_names(rule, names));
   }
   return Json{{"items", std::move(rows)}};
-}
-
-Json Supervisor::row(std::size_t index, Instant now) const {
-  const auto& rule = engine_.rules()[index];
-  const auto report = engine_.report(index, now, reader());
-  Json values = Json::array();
-  for (const auto& [address, value] : report.values) {
-    values.push_back({{"address", address}, {"value", arch::to_json(value)}});
-  }
-  return {{"name", rule.name},
-          {"state", to_string(report.state)},
-          {"when", rule.when.text()},
-          {"values", std::move(values)},
-          {"for", format_duration(rule.timing.hold)},
-          {"until", rule.until ? Json(rule.until->text()) : Json()},
-          {"when_unknown", to_string(rule.when_unknown)},
-          {"do", rule.transaction.empty() ? Json() : Json(rule.transaction)},
-          {"cool_down", format_duration(rule.timing.cool_down)},
-          {"per_hour", rule.timing.per_hour},
-          {"fired", report.times},
-          {"fired_ns", report.last ? Json(*report.last - running_->deployer.t0()) : Json()},
-          {"ago_ns", report.last ? Json(now - *report.last) : Json()},
-          {"answer", report.answer},
-          {"why_not", report.why_not}};
 }
 
 }  // namespace mauve::daemon

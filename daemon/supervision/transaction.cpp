@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "monitor/transaction.h"
+#include "supervision/transaction.h"
 
 #include <algorithm>
 

@@ -4,12 +4,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "rules/supervision.h"
+#include "rules/engine.h"
 
 #include <mauve/host/probation.h>
 
@@ -20,8 +21,7 @@ class Makers {
  public:
   struct Maker {
     std::string by;  ///< "by rule gnss_lost", "requested by pilot", "relied on by rule gnss_lost"
-    std::optional<std::size_t> rule;  ///< the rule, of the supervision with this number:
-    std::uint64_t adoption = 0;
+    std::optional<rules::RuleId> rule;
   };
   static constexpr std::size_t kMost = 1024;
 
@@ -29,12 +29,13 @@ class Makers {
   /// These steps had nothing to do. Where a change on probation made them true, its undo undoes
   /// them as well. A rule that made some of these changes, or relied on them before, is known.
   void rely(const std::vector<OpenProbation>& open, const rules::Steps& steps, const Maker& maker);
-  /// These generations were rolled back. Returns the rules of this supervision that made some.
-  std::vector<std::size_t> forget(const std::vector<std::uint64_t>& generations,
-                                  std::uint64_t adoption);
-  /// "generation 3 was made by rule too_hot, which fires again while its condition holds".
-  [[nodiscard]] std::vector<std::string> notes_on(const std::vector<std::uint64_t>& generations,
-                                                  std::uint64_t adoption) const;
+  /// These generations were rolled back. Returns the rules that made some or relied on some.
+  std::vector<rules::RuleId> forget(const std::vector<std::uint64_t>& generations);
+  /// A sentence on each maker: "generations 3 and 5 were made by rule too_hot, which fires again
+  /// while its condition holds". `goes_on`: the rule is still in force after the undo.
+  [[nodiscard]] std::vector<std::string> notes_on(
+      const std::vector<std::uint64_t>& generations,
+      const std::function<bool(rules::RuleId)>& goes_on) const;
 
  private:
   [[nodiscard]] bool is_remembered(const std::vector<std::uint64_t>& generations,
