@@ -46,9 +46,9 @@ inline constexpr Argument kFor =
     maybe("--for", "how long, such as 10s; default: until Ctrl-C", Kind::duration);
 inline constexpr Argument kRecord[] = {
     some("ADDRESS", "such as pose.read or control.missed", Kind::address), kFor,
-    maybe("-o,--output", "file for the CSV; default: standard output", Kind::file)};
+    maybe("-o,--output", "file for the CSV; default, and -: standard output", Kind::file)};
 inline constexpr Argument kPicture =
-    maybe("-o,--output", "file for the SVG; default: standard output", Kind::file);
+    maybe("-o,--output", "file for the SVG; default, and -: standard output", Kind::file);
 inline constexpr Argument kPlot[] = {
     some("ADDRESS", "of numbers, such as pose.read", Kind::address), kFor, kPicture};
 inline constexpr Argument kMap[] = {
@@ -69,7 +69,7 @@ inline constexpr Argument kGraph[] = {
     flag("--mermaid", "for Markdown (by itself where the file ends with .mmd)"),
     flag("--svg", "a picture (by itself where the file ends with .svg)"),
     maybe("--fsm", "the state machine of this component instead", Kind::component),
-    maybe("-o,--output", "file for it; default: standard output", Kind::file)};
+    maybe("-o,--output", "file for it; default, and -: standard output", Kind::file)};
 inline constexpr Argument kSet[] = {some("ADDRESS=VALUE", "JSON, or a bare text", Kind::assignment),
                                     kDryRun,
                                     kState,

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <algorithm>
-#include <array>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -20,12 +19,12 @@ using protocol::wrong_use;
 
 enum class Form { dot, mermaid, svg };
 
-/// A name without an ending may be of any form.
-bool is_known_form(const std::string& file) {
-  const auto name = file.substr(file.rfind('/') + 1);
-  if (name.find('.') == name.npos) return true;
-  constexpr std::array<std::string_view, 5> kEndings = {".svg", ".mmd", ".mermaid", ".dot", ".gv"};
-  return std::ranges::any_of(kEndings, [&](std::string_view end) { return name.ends_with(end); });
+constexpr std::string_view kEndings[] = {".svg", ".mmd", ".mermaid", ".dot", ".gv"};
+
+OutputKind output_of(const Session& session, Form form) {
+  if (form == Form::svg) return {"<svg ", kEndings};
+  if (form == Form::dot) return {"digraph ", kEndings};
+  return {session.arguments.has("--fsm") ? "stateDiagram" : "flowchart ", kEndings};
 }
 
 /// The form that an option names, else that of the ending of the file.
@@ -37,11 +36,6 @@ std::variant<Form, Fault> form_of(const Arguments& given) {
                      "example: mauvectl graph --svg -o rover.svg");
   }
   const std::string file = given.one("-o,--output");
-  if (said == 0 && !file.empty() && !is_known_form(file)) {
-    return wrong_use("usage_unknown_form", "the name of the file does not say its form", file,
-                     "end it with .svg, .mmd, .mermaid, .dot or .gv, or give --svg, --mermaid or "
-                     "--dot");
-  }
   if (given.has("--svg") || (said == 0 && file.ends_with(".svg"))) return Form::svg;
   const bool mermaid = file.ends_with(".mmd") || file.ends_with(".mermaid");
   return given.has("--mermaid") || (said == 0 && mermaid) ? Form::mermaid : Form::dot;
@@ -71,7 +65,7 @@ std::optional<Fault> unknown_name(const Graph& graph, const std::vector<std::str
 
 /// The report, when the picture goes into a file.
 std::string reported_for(const Session& session, const std::string& drawn) {
-  return session.arguments.has("-o,--output") ? "drew " + drawn : std::string();
+  return !output_file(session).empty() ? "drew " + drawn : std::string();
 }
 
 /// The answer with the rows of drawn elements only.
@@ -89,7 +83,7 @@ Json part_of(Json answer, const Graph& drawn) {
 
 /// With --json the answer itself, unless the picture goes into a file.
 bool wants_answer(const Session& session) {
-  return session.screen.json && !session.arguments.has("-o,--output");
+  return session.screen.json && output_file(session).empty();
 }
 
 int draw_machine(Session& session, Form form) {
@@ -106,7 +100,7 @@ int draw_machine(Session& session, Form form) {
     session.print(object.value("machine", Json()), {});
     return 0;
   }
-  return write_output(session, drawn(machine, form),
+  return write_output(session, output_of(session, form), drawn(machine, form),
                       reported_for(session, "the state machine of " + name));
 }
 
@@ -115,6 +109,8 @@ int draw_machine(Session& session, Form form) {
 int run_graph(Session& session) {
   const auto form = form_of(session.arguments);
   if (const auto* fault = std::get_if<Fault>(&form)) return session.fail(*fault);
+  const OutputKind kind = output_of(session, std::get<Form>(form));
+  if (const auto fault = refused_output(session, kind)) return session.fail(*fault);
   const auto names = session.arguments.all("ELEMENT");
   if (session.arguments.has("--fsm")) {
     if (names.empty()) return draw_machine(session, std::get<Form>(form));
@@ -131,7 +127,7 @@ int run_graph(Session& session) {
     session.print(names.empty() ? result : part_of(result, graph), {});
     return 0;
   }
-  const int code = write_output(session, drawn(graph, std::get<Form>(form)),
+  const int code = write_output(session, kind, drawn(graph, std::get<Form>(form)),
                                 reported_for(session, counted(graph.nodes.size(), "element")));
   for (const Json& note : names.empty() ? list_in(result, "notes") : Json::array()) {
     session.screen.err << "note: " << harmless(word(note, "address") + " " + word(note, "text"))

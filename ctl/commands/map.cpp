@@ -124,6 +124,7 @@ std::variant<Json, Fault> value_of(Session& session, std::string_view option) {
 }  // namespace
 
 int run_map(Session& session) {
+  if (const auto refused = refused_output(session, kPictureOutput)) return session.fail(*refused);
   Drawing drawing(session.arguments);
   auto grid = value_of(session, "--grid");
   if (const auto* fault = std::get_if<Fault>(&grid)) return session.fail(*fault);
@@ -142,7 +143,7 @@ int run_map(Session& session) {
                             session.arguments.one("POSE"), "example: mauvectl map pose.read")));
   }
   const auto& way = drawing.picture.way;
-  const int written = write_output(session, draw_map(drawing.picture),
+  const int written = write_output(session, kPictureOutput, draw_map(drawing.picture),
                                    "drew " + counted(way.size(), "place") + ", " + in_words(way),
                                    {{"places", way.size()}, {"length_m", length_of(way)}});
   return fault ? session.fail(*fault) : written;  // the values before the daemon went are drawn

@@ -34,6 +34,7 @@ Fault no_numbers(const Session& session) {
 }  // namespace
 
 int run_plot(Session& session) {
+  if (const auto refused = refused_output(session, kPictureOutput)) return session.fail(*refused);
   const std::vector<std::string> addresses = session.arguments.all("ADDRESS");
   std::vector<Channel> channels;
   for (const std::string& address : addresses) {
@@ -61,8 +62,8 @@ int run_plot(Session& session) {
   std::uint64_t values = 0;
   for (const Series& series : all) values += series.points.size();
   hold_to_the_end(all, end);
-  const int written = write_output(session, draw_series(all), "drew " + counted(values, "value"),
-                                   {{"values", values}});
+  const int written = write_output(session, kPictureOutput, draw_series(all),
+                                   "drew " + counted(values, "value"), {{"values", values}});
   return fault ? session.fail(*fault) : written;  // the values before the daemon went are drawn
 }
 

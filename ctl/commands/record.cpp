@@ -3,7 +3,8 @@
 #include <array>
 #include <cerrno>
 #include <cstdio>
-#include <fstream>
+#include <optional>
+#include <string_view>
 
 #include "cli/files.h"
 #include "cli/output.h"
@@ -41,9 +42,20 @@ std::string row(const std::vector<Channel>& channels, const Sample& sample) {
   return line + "\n";
 }
 
+constexpr std::string_view kEndings[] = {".csv"};
+constexpr OutputKind kOutput{"time_s,", kEndings};
+
+Fault no_values(const std::string& file, bool exists) {
+  return protocol::wrong_use(
+      "usage_nothing_to_draw",
+      exists ? "no value arrived, so the file stays as it was" : "no value arrived", file,
+      "listen longer with --for; mauvectl get shows the value and its status");
+}
+
 }  // namespace
 
 int run_record(Session& session) {
+  if (const auto refused = refused_output(session, kOutput)) return session.fail(*refused);
   std::vector<Channel> channels;
   for (const std::string& address : session.arguments.all("ADDRESS")) {
     auto found = channels_of(session, address);
@@ -51,25 +63,30 @@ int run_record(Session& session) {
     const auto& its = std::get<std::vector<Channel>>(found);
     channels.insert(channels.end(), its.begin(), its.end());
   }
-  const std::string file = session.arguments.one("-o,--output");
+  const std::string file = output_file(session);
   const bool replaced = replaces_file(session);
-  std::ofstream stream;
   errno = 0;
-  if (!file.empty()) stream.open(file, std::ios::binary);
-  std::ostream& out = file.empty() ? session.screen.out : stream;
+  std::optional<NewFile> beside;
+  if (!file.empty()) beside.emplace(file);
+  std::ostream& out = beside ? beside->stream() : session.screen.out;
   std::uint64_t rows = 0;
   std::uint64_t gaps = 0;
   out << header(channels) << std::flush;
   if (!out.good()) return session.fail(bad_file(not_written(file)));
+  Status written = ok();
   const auto fault = follow(session, session.arguments.all("ADDRESS"), [&](const Sample& sample) {
     ++(sample.value.is_null() ? gaps : rows);
     out << row(channels, sample) << std::flush;
+    // The first value makes it a recording, of which a later failure leaves the values so far.
+    if (beside && rows > 0 && !beside->kept() && written) written = beside->keep();
   });
   if (fault) return session.fail(*fault);
+  if (!written) return session.fail(bad_file(written.error()));
   if (!out.good()) {
     return session.fail(
         bad_file(refuse({Errc::system, "file_not_written"}, file, "the file is not complete")));
   }
+  if (beside && !beside->kept()) return session.fail(no_values(file, replaced));
   const std::string missing = gaps > 0 ? ", and a gap at " + counted(gaps, "empty row") : "";
   report_output(session, "recorded " + counted(rows, "value") + missing,
                 {{"values", rows}, {"gaps", gaps}}, replaced);

@@ -20,6 +20,11 @@ Format format_of(std::string_view path) {
   return path.ends_with(".json") ? Format::chrome : Format::ctf;
 }
 
+std::string_view begin_of(Format format) {
+  if (format == Format::mtrace) return R"({"architecture":")";
+  return format == Format::chrome ? R"({"displayTimeUnit")" : "/* CTF 1.8 */";
+}
+
 Status convert(const Trace& trace, Format format, const std::string& path) {
   if (format == Format::ctf) return write_ctf(trace, path);
   return write_file(path, [&](std::ostream& out) {

@@ -20,6 +20,9 @@ enum class Format : std::uint8_t {
 /// By the end of its name: ".mtrace", ".json", else a folder of CTF.
 [[nodiscard]] Format format_of(std::string_view path);
 
+/// The first characters of each such file, in a folder of its metadata.
+[[nodiscard]] std::string_view begin_of(Format format);
+
 /// Writes the file, or the folder. Refused with the words of the system when that is not possible.
 Status convert(const Trace& trace, Format format, const std::string& path);
 

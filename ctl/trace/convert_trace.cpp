@@ -11,6 +11,9 @@ int run_convert_trace(Session& session) {
   const std::string output = session.arguments.one("-o,--output");
   const auto named = mtrace::format_named(session.arguments.one("--format"));
   const mtrace::Format format = named.value_or(mtrace::format_of(output));
+  if (const auto refused = refused_output(session, output_of(format))) {
+    return session.fail(*refused);
+  }
   const auto read = read_trace(session.arguments.one("FILE"));
   if (const auto* fault = std::get_if<Fault>(&read)) return session.fail(*fault);
   const auto& trace = std::get<mtrace::Trace>(read);

@@ -43,4 +43,8 @@ std::variant<mtrace::Trace, Fault> read_live(Session& session, const std::string
   return builder.take();
 }
 
+OutputKind output_of(mtrace::Format format) {
+  return {mtrace::begin_of(format), {}, false, format == mtrace::Format::ctf};
+}
+
 }  // namespace mauve::ctl

@@ -5,7 +5,9 @@
 #include <string>
 #include <variant>
 
+#include "cli/output.h"
 #include "cli/session.h"
+#include "mtrace/convert.h"
 #include "mtrace/trace.h"
 
 namespace mauve::ctl {
@@ -21,5 +23,8 @@ enum class Live {
 [[nodiscard]] std::variant<mtrace::Trace, Fault> read_live(Session& session,
                                                            const std::string& recording,
                                                            Live live = Live::newest);
+
+/// The output of a command that writes a trace.
+[[nodiscard]] OutputKind output_of(mtrace::Format format);
 
 }  // namespace mauve::ctl

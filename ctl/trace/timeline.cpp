@@ -71,7 +71,7 @@ int write_picture(Session& session, const mtrace::Timeline& timeline) {
   std::string left_out;
   for (const std::string& what : timeline.left_out) left_out += "not shown: " + what + "\n";
   return write_output(
-      session, timeline.svg,
+      session, kPictureOutput, timeline.svg,
       "drew " + mtrace::instant_in_words(timeline.from) + " to " +
           mtrace::instant_in_words(timeline.to),
       {{"from_ns", timeline.from}, {"to_ns", timeline.to}, {"left_out", timeline.left_out}},
@@ -81,6 +81,7 @@ int write_picture(Session& session, const mtrace::Timeline& timeline) {
 }  // namespace
 
 int run_timeline(Session& session) {
+  if (const auto refused = refused_output(session, kPictureOutput)) return session.fail(*refused);
   mtrace::View view;
   view.components = split(session.arguments.all("--component"));
   if (!read_time(session, "--from", view.from) || !read_time(session, "--to", view.to)) {

@@ -82,11 +82,15 @@ int dump(Session& session) {
   if (file.empty())
     return session.fail(wrong_use("usage_missing_argument", "-o says into which file", {},
                                   "example: mauvectl trace dump -o now.mtrace"));
+  const mtrace::Format format = mtrace::format_of(file);
+  if (const auto refused = refused_output(session, output_of(format))) {
+    return session.fail(*refused);
+  }
   const auto read = read_live(session, session.arguments.one("RECORDING"));
   if (const auto* fault = std::get_if<Fault>(&read)) return session.fail(*fault);
   const auto& trace = std::get<mtrace::Trace>(read);
   const bool replaced = replaces_file(session);
-  if (const Status done = mtrace::convert(trace, mtrace::format_of(file), file); !done) {
+  if (const Status done = mtrace::convert(trace, format, file); !done) {
     return session.fail(bad_file(done.error()));
   }
   const std::uint64_t records = trace.records.size();

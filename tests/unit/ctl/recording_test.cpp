@@ -3,6 +3,8 @@
 #include "commands/recording.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -127,6 +129,76 @@ TEST(Output, SaysThatItReplacesAFile) {
     EXPECT_THAT(first.outcome.out, HasSubstr(" to " + file + "\n"));
     EXPECT_THAT(second.outcome.out, HasSubstr(file + ", replacing the file of that name\n"));
   }
+}
+
+TEST(Output, ReplacesOnlyAFileOfItsOwnKind) {
+  const test::TempDir place;
+  const std::string arch = place.write("arch.json", "{}").string();
+  const std::string other = place.write("notes", "{}").string();
+  const std::string svg = place.write("notes.svg", "{}").string();
+  const std::string csv = place.write("notes.csv", "a,b\n").string();
+  std::filesystem::create_symlink(other, place / "link.svg");
+  std::filesystem::create_symlink(other, place / "link.csv");
+  for (const std::string command : {"plot", "map", "record"}) {
+    const std::string end = command == "record" ? ".csv" : ".svg";
+    for (const std::string& file :
+         {arch, other, svg, csv, (place / ("link" + end)).string(), place.path().string()}) {
+      EXPECT_EQ(run("/nowhere", {command, "pose.read", "-o", file}).exit, 2)
+          << command << " " << file << " is refused before mauved is asked";
+    }
+  }
+  for (const std::string& file : {arch, other, svg}) EXPECT_EQ(test::TempDir::read(file), "{}");
+  EXPECT_EQ(test::TempDir::read(csv), "a,b\n");
+  EXPECT_TRUE(std::filesystem::is_symlink(place / "link.svg"));
+}
+
+TEST(Output, OfGraphReplacesOnlyAPictureInTheSameLanguage) {
+  const test::TempDir place;
+  const std::string keep = place.write("keep", "{}").string();
+  const std::string svg = place.write("a.svg", "<svg >").string();
+  const Json nothing = {{"components", Json::array()}, {"resources", Json::array()}};
+  EXPECT_EQ(run("/nowhere", {"graph", "-o", keep}).exit, 2);
+  EXPECT_EQ(run("/nowhere", {"graph", "--dot", "-o", svg}).exit, 2);
+  EXPECT_EQ(test::TempDir::read(keep), "{}");
+  EXPECT_EQ(test::TempDir::read(svg), "<svg >");
+  EXPECT_EQ(Scene({"graph", "-o", svg}, nothing).outcome.exit, 0);
+  EXPECT_NE(test::TempDir::read(svg), "<svg >");
+  EXPECT_THAT(Scene({"graph", "-o", "-"}, nothing).outcome.out, StartsWith("digraph"));
+}
+
+TEST(Output, GoesToStandardOutputForADash) {
+  for (const std::string command : {"plot", "map", "record"}) {
+    const Shown dash({command, "pose.read", "-o", "-"}, kPose, {pose_at(1, 1, 2)});
+    const Shown bare({command, "pose.read"}, kPose, {pose_at(1, 1, 2)});
+    EXPECT_EQ(dash.outcome.out, bare.outcome.out) << command;
+    EXPECT_FALSE(std::filesystem::exists("-"));
+  }
+}
+
+TEST(Record, OfNoValueKeepsTheFile) {
+  const test::TempDir place;
+  const std::string file = place.write("e.csv", "time_s,a.b\n1.0,2\n").string();
+  const std::vector<std::string> words{"record", "a.b", "--for", "1ms", "-o"};
+  for (const std::string& into : {file, (place / "new.csv").string()}) {
+    auto these = words;
+    these.push_back(into);
+    const Outcome outcome = Scene(these, Json{{"sub", 5}}).outcome;
+    EXPECT_EQ(outcome.exit, 2) << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr("no value arrived")) << into;
+  }
+  EXPECT_EQ(test::TempDir::read(file), "time_s,a.b\n1.0,2\n");
+  using std::filesystem::directory_iterator;
+  EXPECT_EQ(std::distance(directory_iterator(place.path()), directory_iterator()), 1)
+      << "nothing is left beside it";
+}
+
+TEST(Record, KeepsTheValuesBeforeTheDaemonWent) {
+  const test::TempDir place;
+  const std::string file = place.write("e.csv", "time_s,old\n").string();
+  const Shown shown({"record", "pose.read", "-o", file}, kPose, {pose_at(1.5, 1, 2)});
+
+  EXPECT_EQ(shown.outcome.exit, 7);
+  EXPECT_THAT(test::TempDir::read(file), HasSubstr("\n1.500000000,1.0,2.0,0.5\n"));
 }
 
 TEST(Record, RefusesATimeThatIsNone) {

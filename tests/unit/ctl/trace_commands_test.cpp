@@ -124,7 +124,7 @@ TEST_F(TraceCommand, ConvertWritesByTheNameOfTheOutput) {
   EXPECT_TRUE(Json::parse(text_of("drive.json"))["traceEvents"].is_array());
   EXPECT_THAT(text_of("ctf/metadata"), StartsWith("/* CTF 1.8 */"));
   EXPECT_EQ(text_of("again.mtrace"), text_of("drive.mtrace"));
-  for (const char* file : {"drive.json", "ctf"}) {
+  for (const char* file : {"drive.json", "ctf", "again.mtrace"}) {
     EXPECT_THAT(run_alone({"convert-trace", file_, "-o", folder_ / file}).out,
                 HasSubstr(std::string(file) + ", replacing the file of that name\n"));
   }
@@ -140,12 +140,46 @@ TEST_F(TraceCommand, ConvertTakesAFormatWhateverTheFileIsCalled) {
 }
 
 TEST_F(TraceCommand, SaysInTheWordsOfTheSystemThatItCannotWrite) {
-  for (const char* command : {"convert-trace", "timeline"}) {
-    const Outcome outcome = run_alone({command, file_, "-o", "/no/such/folder/x.json"});
+  for (const auto& [command, file] : std::vector<std::pair<std::string, std::string>>{
+           {"convert-trace", "/no/such/folder/x.json"}, {"timeline", "/no/such/folder/x.svg"}}) {
+    const Outcome outcome = run_alone({command, file_, "-o", file});
     EXPECT_EQ(outcome.exit, 2) << command;
     EXPECT_THAT(outcome.err, HasSubstr("No such file or directory")) << command;
-    EXPECT_THAT(outcome.err, HasSubstr("/no/such/folder/x.json")) << command;
+    EXPECT_THAT(outcome.err, HasSubstr(file)) << command;
   }
+}
+
+TEST_F(TraceCommand, DoesNotReplaceTheFileThatItReads) {
+  const std::string before = text_of("drive.mtrace");
+  std::filesystem::create_hard_link(file_, folder_ / "same.svg");
+  std::filesystem::create_symlink(file_, folder_ / "same.mtrace");
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"timeline", file_, "-o", file_},
+        {"timeline", file_, "-o", folder_ / "same.svg"},
+        {"convert-trace", file_, "-o", file_},
+        {"convert-trace", file_, "-o", folder_ / "same.mtrace"}}) {
+    const Outcome outcome = run_alone(words);
+    EXPECT_EQ(outcome.exit, 2) << words[0] << " " << words[3];
+    EXPECT_EQ(text_of("drive.mtrace"), before) << words[0] << " " << words[3];
+  }
+  EXPECT_THAT(run_alone({"convert-trace", file_, "-o", file_}).err,
+              HasSubstr("is the file that the command reads"));
+}
+
+TEST_F(TraceCommand, ReplacesOnlyTracesOfTheSameForm) {
+  std::filesystem::create_directory(folder_ / "notes");
+  for (const char* name : {"arch.json", "other.mtrace", "drive.c", "notes/metadata"}) {
+    std::ofstream(folder_ / name) << "{\"components\":{}}\n";
+  }
+  for (const char* name : {"arch.json", "other.mtrace", "drive.c", "notes"}) {
+    const Outcome outcome = run_alone({"convert-trace", file_, "-o", folder_ / name});
+    EXPECT_EQ(outcome.exit, 2) << name;
+    EXPECT_THAT(outcome.err, HasSubstr("is no earlier output of this kind")) << name;
+  }
+  EXPECT_EQ(text_of("arch.json"), "{\"components\":{}}\n");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "notes/stream"));
+  EXPECT_THAT(run_alone({"convert-trace", file_, "-o", "-"}).err,
+              HasSubstr("a trace does not go to standard output"));
 }
 
 TEST_F(TraceCommand, TimelineRefusesAPartOutsideTheTrace) {
