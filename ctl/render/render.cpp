@@ -309,7 +309,7 @@ std::string render_quarantine(const Json& list, Look look) {
 
 std::string render_errors(std::string_view file, const Json& result, Look look) {
   const Json& errors = member(result, "errors");
-  if (errors.empty()) return std::string(file) + ": no errors\n";
+  if (errors.empty()) return std::string(file) + ": no errors\n" + note_lines(result, look);
   std::string text;
   for (const Json& error : errors) {
     const auto at = word(error, "at");

@@ -157,6 +157,11 @@ Result<Json> judge(const Question& question, plugin::Catalog catalog) {
   if (problems.empty() && question.lists_cores) {
     result["cores"] = cores_of(*wanted.architecture, catalog);
   }
+  if (!question.running) {
+    for (const auto& note : wanted.notes) {
+      result["notes"].push_back(to_string(note));
+    }
+  }
   if (problems.empty() && question.running) {
     const auto running = make_running(*question.running, catalog);
     if (!running) {

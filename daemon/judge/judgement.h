@@ -39,8 +39,8 @@ struct Question {
 /// Of the text that to_json() gives; nothing when it makes no sense.
 [[nodiscard]] std::optional<Question> question_of(const std::string& text);
 
-/// {"errors":[...]} and, when the files are compared and good,
-/// {"same","lines","exchanged"?,"notes"?}. When it was asked for and the file is good,
+/// {"errors":[...],"notes"?} and, when the files are compared and good,
+/// {"same","lines","exchanged"?}. When it was asked for and the file is good,
 /// {"cores":[{"component","core","build_id"}]}. Refused when the running architecture cannot be
 /// made from the plugin files of now. Loads plugins into `catalog` and makes all elements.
 [[nodiscard]] Result<Json> judge(const Question& question, plugin::Catalog catalog);

@@ -129,8 +129,12 @@ TEST(Rules, ThatWouldLoseAStateAreNamedWhenTheirFileIsCheckedStartedOrApplied) {
     const auto answer = daemon.ask("architecture.apply", {{"text", lossy}, {"dry_run", dry_run}});
     EXPECT_THAT(answer["notes"].dump(), note) << answer;
   }
-  const auto back = daemon.ask("architecture.diff", {{"text", supervised(kLoud)}});
-  EXPECT_FALSE(back.contains("notes")) << back;
+  const auto checked = daemon.ask("config.check", {{"text", lossy}});
+  EXPECT_THAT(checked["notes"].dump(), note) << checked;
+  for (const char* method : {"architecture.diff", "config.check"}) {
+    const auto back = daemon.ask(method, {{"text", supervised(kLoud)}});
+    EXPECT_FALSE(back.contains("notes")) << back;
+  }
 }
 
 /// Its condition comes true by itself, which no lock keeps it from.

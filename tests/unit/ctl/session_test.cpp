@@ -256,6 +256,15 @@ TEST(Check, EndsWith1WhenThereAreErrors) {
   EXPECT_EQ(bad.asked[0].params["file"], kCheckedFile);
 }
 
+TEST(Check, PrintsNotesOnAFileWithoutErrors) {
+  const Scene good({"check", kCheckedFile},
+                   {{"errors", Json::array()}, {"notes", {"rules.loud.do is refused"}}});
+
+  EXPECT_EQ(good.outcome.exit, 0);
+  EXPECT_NE(good.outcome.out.find(": no errors\nnote: rules.loud.do is refused\n"),
+            std::string::npos);
+}
+
 TEST(Check, RefusesAFileThatCannotBeRead) {
   EXPECT_EQ(run("/nowhere", {"check", "/nowhere/x.json"}).exit, 2);
   EXPECT_EQ(run("/nowhere", {"check", "/tmp"}).exit, 2);
