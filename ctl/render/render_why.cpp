@@ -106,14 +106,19 @@ std::string over_budget_in_words(const Json& why) {
 
 /// "did not fail, but is late: 126 releases missed, 259 overruns, 253 jobs over the budget ...";
 /// empty: it is not late, and exceeded no budget.
-std::string lateness_in_words(const Json& why) {
+std::string lateness_in_words(const Json& why, bool failed) {
+  const std::string begin =
+      failed ? "failed before, and is late now: " : "did not fail, but is late: ";
   const auto missed = whole_number(why, "missed");
   const auto overruns = whole_number(why, "overruns");
   std::string text = over_budget_in_words(why);
   if (missed == 0 && overruns == 0) return text.empty() ? text : "did not fail, but has " + text;
-  return "did not fail, but is late: " + counted(missed, "release") + " missed, " +
-         counted(overruns, "overrun") + (text.empty() ? "" : ", " + text);
+  return begin + counted(missed, "release") + " missed, " + counted(overruns, "overrun") +
+         (text.empty() ? "" : ", " + text);
 }
+
+/// The failure is history: the lateness has another reason.
+bool is_late_after(const Json& why) { return member(why, "late_after") == true; }
 
 std::string why_heading(const Json& why, const Json& failure) {
   const std::string state = word(why, "state");
@@ -124,9 +129,10 @@ std::string why_heading(const Json& why, const Json& failure) {
   if (const auto how = recovery_in_words(member(why, "recovery")); !how.empty()) {
     line += ", " + how;
   }
-  if (failure.is_object()) return line;
-  if (const auto late = lateness_in_words(why); !late.empty()) return line + "; " + late;
-  return line + "; nothing failed since mauved began, " + word(why, "since");
+  const bool failed = failure.is_object();
+  if (failed && !is_late_after(why)) return line;
+  if (const auto late = lateness_in_words(why, failed); !late.empty()) return line + "; " + late;
+  return failed ? line : line + "; nothing failed since mauved began, " + word(why, "since");
 }
 
 }  // namespace
@@ -139,8 +145,10 @@ std::string render_why(const Json& why, Look look) {
   const Paint paint = failed ? Paint::red : Paint::bold;
   text.text_ =
       painted(wrapped(why_heading(why, failure), look.width, 2), paint, look.colour) + "\n";
+  const Json& after = member(why, "change_after");
+  if (after.is_object()) text.add("changed", change_in_words(after));
   if (failure.is_object()) {
-    text.add("what", what_happened(failure));
+    text.add(is_late_after(why) ? "failed" : "what", what_happened(failure));
     text.add("when", word(failure, "time") + ", " +
                          nanoseconds_in_words(number(failure, "ago_ns")) + " ago; " +
                          counted(whole_number(failure, "times"), "failure") +
@@ -163,7 +171,8 @@ std::string render_why(const Json& why, Look look) {
   for (const Json& hint : list_in(why, "hints")) text.add("next", compact(hint));
   const Json& records = list_in(why, "records");
   if (records.empty() || !failure.is_object()) return text.text_;
-  text.text_ += painted("its last records", Paint::bold, look.colour) + "\n";
+  const char* title = is_late_after(why) ? "its last records" : "records up to this failure";
+  text.text_ += painted(title, Paint::bold, look.colour) + "\n";
   for (const Json& record : records) text.text_ += render_record(record, look);
   return text.text_;
 }

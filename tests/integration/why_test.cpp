@@ -180,6 +180,31 @@ TEST(Why, AChangeWasRolledBackAndItsCoreIsKeptOut) {
   })) << said;
 }
 
+TEST(Why, NamesALaterChangeThatMadeItLateBeforeItsFailure) {
+  TrialDaemon daemon;
+  ASSERT_EQ(
+      daemon.ask("core.swap", {{"component", "first"}, {"core", "trial/throwing_job"}})["state"],
+      "applied");
+  EXPECT_EQ(why(daemon, "threw")["late_after"], false);
+  const auto late = daemon.ask("core.swap", {{"component", "first"},
+                                             {"core", "trial/hungry"},
+                                             {"set", {{"uses", "15ms"}}},
+                                             {"probation", "off"}});
+  ASSERT_EQ(late["state"], "applied") << late;
+
+  Json said;
+  ASSERT_TRUE(eventually([&] {
+    said = daemon.ask("component.why", {{"component", "first"}});
+    return said["late_after"] == true;
+  })) << said;
+  EXPECT_EQ(said["change_after"]["generation"], late["generation"]);
+  EXPECT_EQ(said["failure"]["cause"], "threw");
+  EXPECT_EQ(said["change"]["generation"], 2) << "the one that failed";
+  const std::string text = why_first(daemon);
+  EXPECT_THAT(text, HasSubstr("failed before, and is late now"));
+  EXPECT_LT(text.find("generation 4 by core.swap"), text.find("threw: "));
+}
+
 /// The second core writes nothing into the log of the component when it fails.
 TEST(Why, TwoFailuresWithinASecondAreNotMixed) {
   TrialDaemon daemon;

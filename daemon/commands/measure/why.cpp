@@ -172,11 +172,45 @@ Json hints_for(const Running& running, const std::string& name, const Failure* f
   return hints;
 }
 
-Json records_of(const Running& running, const std::string& name, const Failure* failure) {
+std::vector<logging::Record> newest_records(const Running& running, const std::string& name) {
   logging::Filter filter;
   filter.component = name;
-  const auto records = failure != nullptr ? failure->records
-                                          : running.log.history().tail(Failures::kRecords, filter);
+  return running.log.history().tail(Failures::kRecords, filter);
+}
+
+/// The newest change of the component, if it came after the failure and its reaction.
+const Attempt* change_after(const Running& running, const std::string& name,
+                            const Failure& failure) {
+  const auto* last = running.failures.last_change(name);
+  const auto handled = std::max(failure.generation, failure.generation_after);
+  return last != nullptr && last->generation > handled ? last : nullptr;
+}
+
+bool is_late(const ComponentStatus& status) {
+  const auto last = std::max(status.elapsed_last, status.lateness_last);
+  return status.late > Duration{0} || (status.period > Duration{0} && last > status.period);
+}
+
+/// Is the failure history, and the component late for another reason? A hung job of the failure
+/// itself is followed by records of missed releases too, so these count after a change only.
+bool late_after(const Running& running, const ComponentStatus& status, const Failure& failure) {
+  if (status.state != ComponentState::running) {
+    return false;
+  }
+  const auto* change = change_after(running, status.name, failure);
+  if (change == nullptr) {
+    return status.core != failure.culprit.core && is_late(status);
+  }
+  const auto records = newest_records(running, status.name);
+  return is_late(status) || std::ranges::any_of(records, [&](const logging::Record& record) {
+           return (record.event == logging::Event::missed ||
+                   record.event == logging::Event::overrun) &&
+                  logging::utc(record.time) > change->time;
+         });
+}
+
+Json records_of(const Running& running, const std::string& name, const Failure* failure) {
+  const auto records = failure != nullptr ? failure->records : newest_records(running, name);
   Json rows = Json::array();
   for (const auto& record : records) {
     rows.push_back(record_json(record, running.deployer.t0()));
@@ -217,6 +251,8 @@ Result<Json> why(Running& running, const Call& call) {
   const auto* failure = running.failures.find(name, running.log.history());
   const auto* change = failure != nullptr ? change_before(running, name, *failure)
                                           : running.failures.last_change(name);
+  const bool later = failure != nullptr && late_after(running, status, *failure);
+  const auto* after = later ? change_after(running, name, *failure) : nullptr;
   const auto poisoned = poisoned_of(**component);
   Json result = {{"component", name},
                  {"state", to_string(status.state)},
@@ -238,9 +274,24 @@ Result<Json> why(Running& running, const Call& call) {
                  {"rollback", rollback_json(running.rollbacks.last_of(name))},
                  {"poisoned", poisoned},
                  {"quarantine", quarantine_of(running, failure)},
-                 {"records", records_of(running, name, failure)},
-                 {"hints", hints_for(running, name, failure, poisoned)}};
-  add_steps_of_a_late_one(running, status, failure != nullptr, result["hints"]);
+                 {"late_after", later},
+                 {"change_after", attempt_json(after)},
+                 {"records", records_of(running, name, later ? nullptr : failure)},
+                 {"hints", Json::array()}};
+  auto& hints = result["hints"];
+  if (after != nullptr && running.store != nullptr) {
+    hints.push_back("mauvectl rollback " + std::to_string(after->generation - 1) +
+                    ": back to the state before " + name + " was last changed");
+  }
+  if (later) {
+    add_steps_of_a_late_one(running, status, false, hints);
+  }
+  for (auto& hint : hints_for(running, name, failure, poisoned)) {
+    hints.push_back(std::move(hint));
+  }
+  if (!later) {
+    add_steps_of_a_late_one(running, status, failure != nullptr, hints);
+  }
   return result;
 }
 

@@ -51,8 +51,28 @@ TEST(Why, IsAnsweredInAFewLines) {
             "page faults (1 from disk), 17 waits, preempted 2 times\n"
             "poisoned  world\n"
             "next      mauvectl start control --reset: again\n"
-            "its last records\n" +
+            "records up to this failure\n" +
                 render_record(kLastRecord, {}));
+}
+
+TEST(Why, NamesTheLatenessAndTheLastChangeBeforeAnOlderFailure) {
+  Json answer = kWhy;
+  answer["state"] = "running";
+  answer["core"] = "g/steady";
+  answer["late_after"] = true;
+  answer["change_after"] = kWhy["change"];
+  answer["change_after"]["generation"] = 45;
+  answer["change_after"]["method"] = "param.set";
+  answer["records"] = Json::array({kLastRecord});
+  const std::string text = Scene({"why", "control"}, answer).outcome.out;
+
+  EXPECT_THAT(text, testing::StartsWith(
+                        "control: running, core g/steady; failed before, and is late now: 3 "
+                        "releases missed, 1 overrun\n"
+                        "changed   generation 45 by param.set, uid 7, 2026-01-01T09:59:00.0Z: try "
+                        "it\n"
+                        "failed    threw: sensor lost"));
+  EXPECT_THAT(text, testing::HasSubstr("\nits last records\n"));
 }
 
 TEST(Why, NamesTheLastRollbackOfAChangeUnlessTheFailureDoes) {
