@@ -147,8 +147,9 @@ Json brought_as(const Json& plugins, const std::string& name, std::vector<std::s
       for (const Json& one : list_in(plugin, group)) {
         known.push_back(compact(one));
         if (known.back() != name) continue;
+        const std::string before = word(found, "is");  // a component and its state machine
         found = {{"name", name},
-                 {"is", what},
+                 {"is", before.empty() ? std::string(what) : before + " and " + std::string(what)},
                  {"plugin", word(plugin, "name")},
                  {"version", word(plugin, "version")},
                  {"file", word(plugin, "file")}};
@@ -178,24 +179,29 @@ std::string names_of(const Json& found, const Session& session) {
 
 int explain_brought(Session& session, const std::string& name) {
   std::vector<std::string> known = message_names();
-  std::string list = "mauvectl explain lists all messages";
   const auto answer = session.call("plugin.list", Json::object());
-  if (const auto* plugins = std::get_if<Json>(&answer)) {
+  const auto* plugins = std::get_if<Json>(&answer);
+  if (plugins != nullptr) {
     if (const Json found = brought_as(*plugins, name, known); !found.is_null()) {
       session.print(found, bold(name, session) + "\n" + part("is", is_of(found), session) +
                                part("file", word(found, "file"), session) +
                                names_of(found, session));
       return 0;
     }
-    list += ", mauvectl plugins what plugins bring";
-  } else {
-    list += "; what plugins bring only a running mauved knows";
   }
+  const std::string list = plugins != nullptr
+                               ? "mauvectl explain lists all messages, mauvectl plugins what "
+                                 "plugins bring"
+                               : "start mauved, or name it with --socket; mauvectl explain lists "
+                                 "all messages";
   const std::string near = did_you_mean(name, known, "'");
-  return session.fail(
-      fault_of(refuse({Errc::unknown_name, "unknown_message"}, name,
-                      "no message, no plugin and nothing that a plugin brings has this name",
-                      near.empty() ? list : near + " " + list)));
+  return session.fail(fault_of(refuse(
+      {Errc::unknown_name, "unknown_message"}, name,
+      plugins != nullptr ? "no message, no plugin and nothing that a plugin brings has this name"
+                         : "no message has this name, and plugins cannot be looked up: no mauved "
+                           "answers at " +
+                               session.globals.socket,
+      near.empty() ? list : near + " " + list)));
 }
 
 }  // namespace

@@ -152,6 +152,8 @@ TEST(Show, OfATypeOfDataHasItsSizeAndItsFields) {
   const auto type = daemon.ask("object.get", {{"address", "velocity/1"}});
   const auto number = daemon.ask("object.get", {{"address", "double"}});
   const auto unknown = daemon.ask("object.get", {{"address", "velocty/1"}});
+  const auto brought = daemon.ask("object.get", {{"address", "trial/steady"}});
+  EXPECT_EQ(brought["data"]["hint"], "mauvectl explain trial/steady says what this name is");
 
   EXPECT_EQ(type["kind"], "type") << type;
   EXPECT_EQ(type["bytes"], 16);

@@ -273,6 +273,19 @@ Json show_type(const DataType& type) {
   return object;
 }
 
+/// Of a plugin, but no type of data: only its instances have values.
+bool is_brought(const plugin::Catalog& catalog, const std::string& name) {
+  return catalog.core(name) || catalog.fsm(name) || catalog.component(name) ||
+         catalog.resource(name);
+}
+
+Error no_type(const Running& running, const std::string& name, Error error) {
+  if (is_brought(running.catalog, name)) {
+    error.hint = "mauvectl explain " + name + " says what this name is";
+  }
+  return error;
+}
+
 }  // namespace
 
 Result<Json> show(Running& running, const Call& call) {
@@ -288,8 +301,10 @@ Result<Json> show(Running& running, const Call& call) {
   const auto element = find_element(running, address);
   if (!element) {
     const auto type = running.catalog.type(address);
-    return type ? Result<Json>(show_type(**type))
-                : (address.find('/') == std::string::npos ? element.error() : type.error());
+    return type
+               ? Result<Json>(show_type(**type))
+               : (address.find('/') == std::string::npos ? element.error()
+                                                         : no_type(running, address, type.error()));
   }
   return element->component != nullptr ? show_component(running, *element->component)
                                        : show_resource(running, *element->resource);

@@ -184,6 +184,7 @@ TEST(Explain, NamesTheNearestMessageAndTheList) {
   EXPECT_EQ(outcome.exit, 4);
   EXPECT_THAT(outcome.err, HasSubstr("did you mean 'rule_fired'?"));
   EXPECT_THAT(outcome.err, HasSubstr("mauvectl explain lists all messages"));
+  EXPECT_THAT(outcome.err, HasSubstr("plugins cannot be looked up: no mauved answers at /nowhere"));
 }
 
 TEST(Explain, KnowsTheWordsBesideAValue) {
@@ -194,7 +195,8 @@ TEST(Explain, KnowsTheWordsBesideAValue) {
 
 TEST(Explain, SaysWhichPluginBringsAName) {
   const Json plugins = Json::parse(R"({"items": [{"name": "guidance", "version": "1.2",
-    "file": "/p/guidance.so", "cores": ["guidance/stop"], "types": ["gain/1"]}]})");
+    "file": "/p/guidance.so", "cores": ["guidance/stop", "guidance/mission"],
+    "components": ["guidance/mission"], "fsms": ["guidance/mission"], "types": ["gain/1"]}]})");
   const Scene core({"explain", "guidance/stop"}, plugins);
   const Scene plugin({"explain", "guidance"}, plugins);
   const Scene unknown({"explain", "gain/2"}, plugins);
@@ -202,8 +204,10 @@ TEST(Explain, SaysWhichPluginBringsAName) {
   EXPECT_EQ(core.outcome.exit, 0);
   EXPECT_THAT(core.outcome.out, HasSubstr("is     : a core of plugin guidance 1.2"));
   EXPECT_THAT(plugin.outcome.out, HasSubstr("is     : a plugin, version 1.2"));
-  EXPECT_THAT(plugin.outcome.out, HasSubstr("  cores  : guidance/stop\n  types  : gain/1\n"));
+  EXPECT_THAT(plugin.outcome.out, HasSubstr("  cores  : guidance/stop, guidance/mission\n"));
   EXPECT_THAT(unknown.outcome.err, HasSubstr("did you mean 'gain/1'?"));
+  EXPECT_THAT(Scene({"explain", "guidance/mission"}, plugins).outcome.out,
+              HasSubstr("a core and a state machine and a component of plugin guidance 1.2"));
 }
 
 }  // namespace
