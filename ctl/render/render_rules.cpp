@@ -27,6 +27,9 @@ std::string last_of(const Json& rule) {
   return nanoseconds_in_words(number(rule, "ago_ns")) + " ago";
 }
 
+/// Without a width no column is limited, and an answer can be a whole refusal.
+constexpr std::size_t kMostOfText = 60;
+
 }  // namespace
 
 std::string render_rules(const Json& result, Look look) {
@@ -39,6 +42,12 @@ std::string render_rules(const Json& result, Look look) {
                {"LAST", false, 1},
                {"ANSWER"},
                {"WHY NOT"}});
+  bool is_cut = false;
+  const auto shown = [&](const std::string& text) {
+    if (look.width > 0 || columns(text) <= kMostOfText) return text;
+    is_cut = true;
+    return cut(text, kMostOfText);
+  };
   for (const Json& rule : items) {
     std::string state = word(rule, "state");
     std::string why_not = word(rule, "why_not");
@@ -55,10 +64,11 @@ std::string render_rules(const Json& result, Look look) {
                {condition_of(rule)},
                {word(rule, "fired")},
                {last_of(rule)},
-               {answer, bad ? Paint::red : Paint::plain},
-               {why_not}});
+               {shown(answer), bad ? Paint::red : Paint::plain},
+               {shown(why_not)}});
   }
-  return table.text(look.width, look.colour);
+  return table.text(look.width, look.colour) +
+         (is_cut ? "mauvectl rules NAME prints the texts that are cut\n" : "");
 }
 
 std::string render_rule(const Json& result, Look look) {
@@ -66,6 +76,7 @@ std::string render_rule(const Json& result, Look look) {
   if (items.empty()) return "none\n";
   Json rule = items.front();
   rule["last"] = last_of(rule);
+  if (member(rule, "do").is_null()) rule["do"] = "its own steps";
   for (const char* key : {"ago_ns", "fired_ns"}) rule.erase(key);
   return render_object(rule, look);
 }

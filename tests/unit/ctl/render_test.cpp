@@ -360,6 +360,19 @@ TEST(Render, ShowsRulesWithTheirValuesAndWhyTheyDoNotFire) {
   EXPECT_EQ(one.find("slow"), std::string::npos) << one;
 }
 
+TEST(Render, CutsTheLongAnswersOfRulesWhereNoWidthLimitsThem) {
+  const std::string answer = "refused: second.core: " + std::string(300, 'x');
+  const Json result = {{"items", {{{"name", "loud"}, {"do", nullptr}, {"answer", answer}}}}};
+
+  const std::string table = render_rules(result, {});
+  EXPECT_LT(table.find('\n'), 150U) << table;
+  EXPECT_NE(table.find("xxx…"), std::string::npos);
+  EXPECT_NE(table.find("mauvectl rules NAME prints the texts that are cut\n"), std::string::npos);
+  const std::string one = render_rule(result, {});
+  EXPECT_NE(one.find(answer), std::string::npos) << one;
+  EXPECT_NE(one.find("its own steps"), std::string::npos) << one;
+}
+
 TEST(Render, MarksARuleThatALockHolds) {
   const std::string text = render_rules(Json::parse(R"({"items":[{"name":"slow","state":"armed",
     "when":"a.late > 1s","values":[],"fired":0,"answer":"","why_not":"condition is false",
