@@ -203,7 +203,8 @@ inline constexpr Argument kTimeline[] = {
     also("live", maybe("FILE", "a trace, *.mtrace; unsaid, or live: that of the running system",
                        Kind::file)),
     maybe("--from",
-          "time since T0, such as 1.2s; default: around why it was kept, or the last second",
+          "time since T0, such as 1.2s; default: around the cause of a flight recording, else the "
+          "last 50 jobs of the most frequent component, at most 1s",
           Kind::duration),
     maybe("--to", "time since T0", Kind::duration),
     {"--component", "only these, such as control,scan", Kind::component, false, true},
