@@ -39,6 +39,9 @@ void keep(Running& running, const Call& call, std::optional<Confirmation> mark, 
   if (call.confirms) {
     as = StateStore::As::confirmed;
   }
+  if (call.confirms || about.mark == Confirmation::confirmed) {
+    running.proofs.confirmed(about.number);
+  }
   running.store->keep(std::move(about), described(running), std::move(line), std::move(then), as,
                       running.deployer.generation(/*before_stops=*/true));
 }
@@ -138,8 +141,11 @@ void answer_fault(Running& running, const Call& call, Fault fault) {
     auto line = audit_refused(running, call, fault);
     if (line && running.store != nullptr && fault.state != "unchanged") {
       // No start may use a mixture of old and new.
-      const auto mark =
-          fault.state == "partly" ? std::optional(Confirmation::unconfirmed) : call.mark;
+      const bool mixed = fault.state == "partly";
+      const auto mark = mixed ? std::optional(Confirmation::unconfirmed) : call.mark;
+      if (mixed) {
+        running.proofs.undecided(running.deployer.generation());
+      }
       if (call.method->effect == protocol::Effect::stops) {
         continue_proof(running, call);  // a component that hangs stops later
       }

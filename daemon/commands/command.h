@@ -33,6 +33,7 @@
 #include "state/deciding_paths.h"
 #include "state/failures.h"
 #include "state/generations.h"
+#include "state/proofs.h"
 #include "state/rollbacks.h"
 
 namespace mauve {
@@ -116,6 +117,7 @@ struct Running {
   /// [control] Components that an abandoned thread may still be in, and its hook.
   std::map<std::string, std::string> abandoned_in = {};
   Unproven unproven = {};                   ///< [control] see recovery/unproven.h
+  Proofs proofs = {};                       ///< [control] of this run
   Former former = {};                       ///< [control] code that reloads have replaced
   std::vector<PlaceProbation> places = {};  ///< [control] swaps in place on probation
   RollbackLines rollback_lines = {};        ///< [control] of the changes on probation

@@ -108,6 +108,7 @@ void HealthMonitor::look() {
   }
   look_at_places(*running_);
   look_at_unproven(*running_);
+  confirm_proven(*running_);
   free_former(*running_);
   report_counted_refusals(*running_, std::chrono::steady_clock::now());
   if (running_->store != nullptr) {
@@ -269,15 +270,8 @@ void HealthMonitor::name_user(Generation& about, std::uint64_t undone) const {
 void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
   auto& store = *running_->store;
   const auto began = outcome.began;
-  if (outcome.kind == Outcome::Kind::overtaken) {
-    return;  // it proved nothing, the newer one will
-  }
-  if (outcome.kind == Outcome::Kind::passed) {
-    for (const auto generation : proofs_.passed(outcome)) {
-      if (generation != running_->unproven.generation) {  // it holds new code without a probation
-        store.mark(generation, Confirmation::confirmed);
-      }
-    }
+  account_proofs(*running_, outcome);
+  if (outcome.kind == Outcome::Kind::overtaken || outcome.kind == Outcome::Kind::passed) {
     return;
   }
   const StandStill still(*running_);
@@ -298,6 +292,7 @@ void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
   const bool rolled_back = outcome.kind == Outcome::Kind::rolled_back;
   if (rolled_back) {
     name_user(about, began);
+    about.mark = mark_of_rollback(*running_, outcome);
   }
   if (now == running_->deployer.generation()) {
     store.keep(std::move(about), described(*running_), std::move(line), {}, StateStore::As::marked,
@@ -307,16 +302,10 @@ void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
     // generation, which its own answer saves, and must not be saved as this one.
     store.audit(line);
   }
-  if (!rolled_back) {
-    relieved_ = now;
-    return;
-  }
-  proofs_.rolled_back(outcome);
-  if (relieved_ < began && outcome.oldest_open == 0) {
-    store.confirm_like(now, began - 1);  // no standby core took over since
-  }
-  for (const auto generation : outcome.generations) {
-    store.mark(generation, Confirmation::rolled_back);
+  if (rolled_back) {
+    for (const auto generation : outcome.generations) {
+      store.mark(generation, Confirmation::rolled_back);
+    }
   }
 }
 

@@ -11,7 +11,6 @@
 
 #include "base/mutex.h"
 #include "commands/command.h"
-#include "state/proofs.h"
 
 namespace mauve::daemon {
 
@@ -49,8 +48,6 @@ class HealthMonitor {
   bool stopping_ MAUVE_GUARDED_BY(mutex_) = false;
   std::atomic<bool> looking_{false};  ///< a look is queued or under way
   bool making_ = false;               ///< [control] standby_cores are being made
-  Proofs proofs_;                     ///< [control]
-  std::uint64_t relieved_ = 0;        ///< [control] the last generation that a standby core made
   /// The standby core of a component was refused in this generation: it is made again in the next
   /// one, but a standby core whose hook hung is never made again.
   struct RefusedStandby {

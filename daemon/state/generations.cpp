@@ -267,19 +267,6 @@ void Generations::remove(std::uint64_t number) {
   std::filesystem::remove(file(number), ignored);
 }
 
-Status Generations::confirm_like(std::uint64_t number, std::uint64_t earlier) {
-  MAUVE_ON_THREAD(disk);
-  {
-    const MutexLock lock(mutex_);
-    const auto found = known_.find(earlier);
-    if (!known_.contains(number) || found == known_.end() || found->second.damaged ||
-        found->second.mark != Confirmation::confirmed) {
-      return ok();
-    }
-  }
-  return mark(number, Confirmation::confirmed);
-}
-
 void Generations::prune() {
   std::vector<std::uint64_t> old;
   {

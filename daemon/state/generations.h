@@ -61,8 +61,6 @@ class Generations {
 
   /// [disk] Refused: there is no such generation, or the disk failed.
   Status mark(std::uint64_t number, Confirmation mark);
-  /// [disk] Confirms a generation if an earlier one of the same content is; the same refusals.
-  Status confirm_like(std::uint64_t number, std::uint64_t earlier);
 
   /// [disk], or [main] before that runs. The same refusals.
   Status set_crashes(std::uint64_t number, unsigned crashes);

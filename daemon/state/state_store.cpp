@@ -230,14 +230,6 @@ void StateStore::ran_long() {
   disk_.post_urgent([this] { last_run_.ran_long(); });
 }
 
-void StateStore::confirm_like(std::uint64_t generation, std::uint64_t earlier) {
-  disk_.post_urgent([this, generation, earlier] {
-    if (auto marked = generations_->confirm_like(generation, earlier); !marked) {
-      report(Event::generation_not_saved, marked.error());
-    }
-  });
-}
-
 void StateStore::quarantine(Json cores) {
   disk_.post_urgent([this, cores = std::move(cores)] {
     unsaved_cores_ = cores;

@@ -69,8 +69,6 @@ class StateStore {
   void audit(const Json& line);
   /// Marks a saved generation, after the jobs that wait for [disk]. [any but rt]
   void mark(std::uint64_t generation, Confirmation mark);
-  /// Confirms a saved generation if an earlier one, to which it goes back, is. [any but rt]
-  void confirm_like(std::uint64_t generation, std::uint64_t earlier);
   /// Its run did not end by a crash soon after its start. [any but rt]
   void forget_crashes(std::uint64_t generation);
   /// Confirms both when they are the same architecture. [any but rt]

@@ -43,6 +43,12 @@ Outcome outcome_of(const Running& running, const PlaceProbation& place, Outcome:
     const auto first = open.generations.front();
     outcome.oldest_open = outcome.oldest_open == 0 ? first : std::min(outcome.oldest_open, first);
   }
+  for (const auto& other : running.places) {
+    const auto first = other.generation;
+    if (first != place.generation && (outcome.oldest_open == 0 || first < outcome.oldest_open)) {
+      outcome.oldest_open = first;
+    }
+  }
   return outcome;
 }
 

@@ -232,12 +232,6 @@ void begin_undo(Running& running, const CallPtr& call, const ChangeOnProbation& 
       });
 }
 
-/// Also when nothing else confirms it, such as a start in which a component failed.
-bool is_saved_unconfirmed(const Running& running) {
-  return running.store != nullptr &&
-         running.store->generations().mark_of(running.generation) == Confirmation::unconfirmed;
-}
-
 /// Nothing is on probation and nothing waits for a confirmation: the generation that runs is kept,
 /// but if a rollback made it, its user wanted to confirm another one.
 Status check_kept(Running& running) {
@@ -321,6 +315,7 @@ void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
   const bool done = running.deployer.confirm().has_value();
   const bool places = confirm_places(running);
   const bool new_code = confirm_unproven(running);
+  // Also when nothing else confirms it, such as a start in which a component failed.
   const bool changes = done || places || new_code || is_saved_unconfirmed(running);
   if (auto kept = changes ? ok() : check_kept(running); !kept) {
     return answer(running, *call, kept.error());

@@ -52,6 +52,22 @@ void look_at_start(Running& running) {
   }
 }
 
+/// It began to prove itself, and no later generation was confirmed.
+bool is_pending(const Running& running) {
+  return !running.proofs.is_confirmed(running.unproven.generation);
+}
+
+/// A change is on probation, or is being rolled back.
+bool is_open(const Running& running) {
+  return !running.places.empty() || !running.deployer.probations().empty();
+}
+
+/// A change under way may be in force before it is on probation.
+bool is_proven(const Running& running) {
+  return !is_open(running) && !is_pending(running) && !running.control.busy() &&
+         running.proofs.all_decided() && running.deployer.generation() == running.generation;
+}
+
 }  // namespace
 
 void look_at_unproven(Running& running) {
@@ -67,8 +83,9 @@ void look_at_unproven(Running& running) {
     running.started.proves = false;
   }
   if (failed) {
+    running.proofs.undecided(unproven.generation);
     running.unproven = {};
-  } else if (unproven.generation == running.generation && !running.deployer.on_probation() &&
+  } else if (!is_open(running) &&
              std::chrono::steady_clock::now() - unproven.since >= Probation{}.time) {
     static_cast<void>(confirm_unproven(running));
   }
@@ -93,7 +110,65 @@ bool confirm_unproven(Running& running) {
   if (running.store != nullptr) {
     running.store->confirm_start(unproven.generation, unproven.replaces);
   }
+  running.proofs.confirmed(unproven.generation);
   return true;
+}
+
+bool is_saved_unconfirmed(const Running& running) {
+  return running.store != nullptr &&
+         running.store->generations().mark_of(running.generation) == Confirmation::unconfirmed;
+}
+
+void account_proofs(Running& running, const Outcome& outcome) {
+  MAUVE_ON_THREAD(control);
+  auto& proofs = running.proofs;
+  switch (outcome.kind) {
+    case Outcome::Kind::passed:
+      for (const auto generation : proofs.passed(outcome)) {
+        if (generation != running.unproven.generation) {  // it holds new code without a probation
+          running.store->mark(generation, Confirmation::confirmed);
+          proofs.confirmed(generation);
+        }
+      }
+      break;
+    case Outcome::Kind::rolled_back:
+      proofs.rolled_back(outcome);
+      break;
+    case Outcome::Kind::overtaken:  // it proved nothing, the newer one will
+      proofs.undecided(outcome.generations.back());
+      break;
+    case Outcome::Kind::stays_failed:
+      if (!outcome.generations.empty()) {  // else it ends no probation
+        proofs.undecided(outcome.generation);
+      }
+      break;
+    case Outcome::Kind::fell_back:
+    case Outcome::Kind::restarted:
+      proofs.undecided(outcome.generation);
+      break;
+  }
+}
+
+Confirmation mark_of_rollback(Running& running, const Outcome& outcome) {
+  MAUVE_ON_THREAD(control);
+  const bool proven = outcome.oldest_open == 0 && is_proven(running);
+  if (!proven || outcome.generation != running.generation) {
+    return Confirmation::unconfirmed;
+  }
+  running.proofs.confirmed(outcome.generation);
+  return Confirmation::confirmed;
+}
+
+void confirm_proven(Running& running) {
+  MAUVE_ON_THREAD(control);
+  if (!is_saved_unconfirmed(running) || !is_proven(running)) {
+    return;
+  }
+  running.report_outcomes();  // the look at the probations may have ended one
+  if (is_proven(running)) {
+    running.store->mark(running.generation, Confirmation::confirmed);
+    running.proofs.confirmed(running.generation);
+  }
 }
 
 }  // namespace mauve::daemon

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "commands/command.h"
+#include "mauve/host/report.h"
 
 namespace mauve::daemon {
 
@@ -27,5 +28,19 @@ void look_at_unproven(Running& running);
 
 /// [control] By hand. False: the generation in force is none of these.
 [[nodiscard]] bool confirm_unproven(Running& running);
+
+/// [control] The saved generation that runs is unconfirmed.
+[[nodiscard]] bool is_saved_unconfirmed(const Running& running);
+
+/// [control] The end of a probation, or a standby core that took over: which generations this
+/// proves, and marks them.
+void account_proofs(Running& running, const Outcome& outcome);
+
+/// [control] Of the generation that a rollback made, after account_proofs().
+[[nodiscard]] Confirmation mark_of_rollback(Running& running, const Outcome& outcome);
+
+/// [control] Confirms the generation that runs when all changes in it are proven, in whatever order
+/// others were undone.
+void confirm_proven(Running& running);
 
 }  // namespace mauve::daemon

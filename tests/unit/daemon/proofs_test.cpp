@@ -45,5 +45,26 @@ TEST(Proofs, AreNeverOfAGenerationThatHoldsAChangeWhichWasRolledBack) {
   EXPECT_THAT(proofs.passed(end_of({8}, 8, 0)), ElementsAre(8));
 }
 
+TEST(Proofs, AreNeverOfAGenerationThatHoldsAChangeWhichWasRolledBackBefore) {
+  Proofs proofs;
+  proofs.rolled_back(end_of({2}, 5, 3));
+  EXPECT_THAT(proofs.passed(end_of({3}, 5, 4)), IsEmpty()) << "3 was saved with the change 2";
+  EXPECT_THAT(proofs.passed(end_of({4}, 6, 0)), ElementsAre(6)) << "and so was 4";
+  EXPECT_THAT(proofs.passed(end_of({7}, 7, 0)), ElementsAre(7));
+}
+
+TEST(Proofs, AreOfAllThatRunsUnlessAChangeStaysUndecided) {
+  Proofs proofs;
+  EXPECT_TRUE(proofs.all_decided());
+  proofs.undecided(3);
+  EXPECT_FALSE(proofs.all_decided());
+  proofs.confirmed(2);
+  EXPECT_FALSE(proofs.all_decided()) << "generation 2 is without it";
+  proofs.confirmed(4);
+  EXPECT_TRUE(proofs.all_decided()) << "generation 4 holds it";
+  proofs.undecided(3);
+  EXPECT_TRUE(proofs.all_decided()) << "it was reported late";
+}
+
 }  // namespace
 }  // namespace mauve::daemon
