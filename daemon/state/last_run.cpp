@@ -17,7 +17,8 @@ namespace {
 
 using logging::Event;
 
-// The words in `running`. A run that began not long ago writes "machine RUN started GENERATION".
+// The words in `running`, before " started GENERATION" where a run has begun. A run that began not
+// long ago writes "machine RUN".
 constexpr std::string_view kEnded = "ended";
 constexpr std::string_view kRanLong = "ran long";
 constexpr std::string_view kRefused = "refused after a crash";
@@ -65,15 +66,17 @@ void LastRun::read(bool generations_are_kept) {
   text = text.substr(0, text.find_last_not_of(" \t\r\n") + 1);
   crashed_ = marker ? text != kEnded : generations_are_kept;
   const auto started = text.rfind(kStarted);
-  if (!text.starts_with(kMachine) || started == std::string_view::npos) {
+  if (started == std::string_view::npos) {
+    return;
+  }
+  const auto number = text.substr(started + kStarted.size());
+  std::from_chars(number.data(), number.data() + number.size(), began_with_);
+  if (!text.starts_with(kMachine)) {
     return;
   }
   const auto machine = text.substr(kMachine.size(), started - kMachine.size());
   const bool ran_on = !machine.empty() && machine == run_of_the_machine();
-  const auto number = text.substr(started + kStarted.size());
-  std::uint64_t generation = 0;
-  std::from_chars(number.data(), number.data() + number.size(), generation);
-  crashed_generation_ = ran_on ? generation : 0;
+  crashed_generation_ = ran_on ? began_with_ : 0;
 }
 
 void LastRun::try_generation(std::uint64_t generation) {
@@ -83,15 +86,21 @@ void LastRun::try_generation(std::uint64_t generation) {
 }
 
 void LastRun::started(std::uint64_t generation) {
-  put(std::string(kMachine) + run_of_the_machine() + std::string(kStarted) +
-      std::to_string(generation));
+  started_ = generation;
+  put(std::string(kMachine) + run_of_the_machine(), generation);
 }
 
-void LastRun::ran_long() { put(kRanLong); }
+void LastRun::ran_long() { put(kRanLong, started_); }
 
-void LastRun::refused() { put(crashed_ || continues_ ? kRefused : kEnded); }
+void LastRun::refused() {
+  return crashed_ || continues_ ? put(kRefused, began_with_) : put(kEnded);
+}
 
 void LastRun::ended() { put(kEnded); }
+
+void LastRun::put(std::string_view words, std::uint64_t began_with) {
+  put(std::string(words) + std::string(kStarted) + std::to_string(began_with));
+}
 
 void LastRun::put(std::string_view text) {
   if (auto put = replace_file(running_, std::string(text) + "\n"); !put) {

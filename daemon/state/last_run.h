@@ -27,6 +27,9 @@ class LastRun {
   /// [any] The generation with which the run had started, if it crashed soon after its start while
   /// the machine ran on; 0: no such crash.
   [[nodiscard]] std::uint64_t crashed_generation() const { return crashed_generation_; }
+  /// [any] The generation that the run, or a start refused after its crash, began with; 0: not
+  /// known.
+  [[nodiscard]] std::uint64_t began_with() const { return began_with_; }
 
   /// started(), and the file `continue` goes: it is for one start. [main]
   void try_generation(std::uint64_t generation);
@@ -40,6 +43,7 @@ class LastRun {
 
  private:
   void put(std::string_view text);
+  void put(std::string_view words, std::uint64_t began_with);
 
   const std::filesystem::path running_;
   const std::filesystem::path continue_;
@@ -47,6 +51,8 @@ class LastRun {
   bool crashed_ = false;
   bool continues_ = false;
   std::uint64_t crashed_generation_ = 0;
+  std::uint64_t began_with_ = 0;  ///< the run before
+  std::uint64_t started_ = 0;     ///< this run
 };
 
 }  // namespace mauve::daemon

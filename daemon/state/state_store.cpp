@@ -28,6 +28,17 @@ std::filesystem::path audit_in(const std::string& directory) {
   return std::filesystem::path(directory) / "audit.log";
 }
 
+/// Else a crash loop would push out the other generations.
+void remove_crashed_start(const LastRun& last, Generations& generations, logging::Log& log) {
+  const auto start = generations.find(last.began_with());
+  if (!last.crashed() || !start || start->mark != Confirmation::unconfirmed ||
+      (start->command != kStart && start->command != kRecover)) {
+    return;
+  }
+  generations.remove(start->number);
+  log.write(Event::generation_removed, {{"generation", static_cast<std::int64_t>(start->number)}});
+}
+
 }  // namespace
 
 Result<std::unique_ptr<StateStore>> StateStore::open(const std::string& directory,
@@ -75,14 +86,7 @@ void StateStore::put_aside(const std::filesystem::path& folder) {
 
 void StateStore::begin(const Generation& first, const Value& architecture,
                        std::uint64_t recovered) {
-  for (const auto& one : generations_->list()) {
-    const bool by_itself = one.command.find('.') == std::string::npos;  // methods have one
-    if (last_run_.crashed() && by_itself && one.mark == Confirmation::unconfirmed) {
-      generations_->remove(one.number);  // else a crash loop would push out the others
-      log_.write(Event::generation_removed,
-                 {{"generation", static_cast<std::int64_t>(one.number)}});
-    }
-  }
+  remove_crashed_start(last_run_, *generations_, log_);
   if (save(first, architecture)) {
     last_run_.started(first.number);
   }

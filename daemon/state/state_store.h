@@ -50,8 +50,8 @@ class StateStore {
   [[nodiscard]] const std::string& directory() const { return directory_; }
 
   /// Saves the generation that this run starts with, waiting for the disk, and begins to write on
-  /// [disk]. After a crash the unconfirmed starts are removed. `recovered`: the saved generation
-  /// from which it starts; 0: none. [main]
+  /// [disk]. The unconfirmed start of a run that crashed is removed. `recovered`: the saved
+  /// generation from which it starts; 0: none. [main]
   void begin(const Generation& first, const Value& architecture, std::uint64_t recovered = 0);
   /// Writes all that waits, then records the end of the run. [main]
   void end();

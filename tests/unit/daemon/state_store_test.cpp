@@ -222,6 +222,33 @@ TEST_F(StateStoreTest, DropsWhatEarlierRecoveriesDidNotConfirm) {
   EXPECT_TRUE(removed->text.starts_with("generation 2, ")) << removed->text;
 }
 
+/// Neither the change of a rule, nor the start of a run that ended in order.
+TEST_F(StateStoreTest, DropsOnlyTheStartOfTheRunThatCrashed) {
+  const auto unconfirmed = [](std::uint64_t number, const char* command) {
+    auto about = with_number(number, Confirmation::unconfirmed);
+    about.command = command;
+    return about;
+  };
+  store->begin(unconfirmed(1, kStart), named("a"));
+  store->end();
+  open();
+  store->begin(unconfirmed(2, kStart), named("a"));
+  ASSERT_TRUE(keep(unconfirmed(3, "transaction"), "b"));
+  ASSERT_TRUE(keep(unconfirmed(4, "restarted"), "b"));
+  store->ran_long();
+  store->flush();
+  open();
+  store->refused();  // a start after the crash that a hook refused
+  open();
+  store->begin(unconfirmed(5, kRecover), named("a"));
+
+  std::vector<std::uint64_t> numbers;
+  for (const auto& one : store->generations().list()) {
+    numbers.push_back(one.number);
+  }
+  EXPECT_EQ(numbers, (std::vector<std::uint64_t>{5, 4, 3, 1}));
+}
+
 TEST_F(StateStoreTest, PutsAFileAsideThatLiesWhereTheGenerationsBelong) {
   store.reset();
   std::filesystem::remove_all(dir / "state" / "generations");
