@@ -97,7 +97,7 @@ TEST(Probation, UndoAnswersWhenEverythingIsBack) {
   EXPECT_EQ(daemon.ask("quarantine.list")["cores"].size(), 0U) << "nobody was at fault";
   const auto again = daemon.ask("change.undo");
   EXPECT_EQ(again["data"]["name"], "wrong_state");
-  EXPECT_THAT(again["message"].get<std::string>(), HasSubstr("generation 3 is off probation"));
+  EXPECT_THAT(again["message"].get<std::string>(), HasSubstr("no change is on probation"));
   EXPECT_EQ(again["data"].value("hint", ""), "mauvectl logs shows the changes");
 }
 

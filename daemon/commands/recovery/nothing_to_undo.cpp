@@ -96,6 +96,7 @@ bool is_rolling_back(const Running& running, std::uint64_t generation) {
 Error nothing_to_undo(const Running& running, Error refused, std::uint64_t generation) {
   MAUVE_ON_THREAD(control);
   if (generation == 0) {
+    refused.message = "no change is on probation, so there is nothing to undo";
     refused.hint = step_without_undo(running);
     return refused;
   }
