@@ -29,11 +29,19 @@ bool begins_with(const fs::path& file, std::string_view begin) {
   return stream.gcount() == 0 ? fs::file_size(file) == 0 : found == begin;
 }
 
+/// /dev/null, /dev/stdout, or a pipe that has a name: nothing in it can be lost.
+bool is_written_in_place(const fs::path& file) {
+  std::error_code none;
+  const fs::file_status found = fs::status(file, none);
+  return fs::is_character_file(found) || fs::is_fifo(found);
+}
+
 /// A folder that is empty is of that kind too.
 bool replaceable(const fs::path& file, const OutputKind& kind) {
   std::error_code none;
   const fs::file_status found = fs::symlink_status(file, none);
   if (!fs::exists(found)) return true;
+  if (is_written_in_place(file)) return !kind.folder;
   if (!kind.folder) return fs::is_regular_file(found) && begins_with(file, kind.begin);
   if (!fs::is_directory(found)) return false;
   return fs::is_empty(file, none) || (fs::is_regular_file(file / kFolderFile, none) &&
