@@ -182,6 +182,13 @@ TEST_F(TraceCommand, ReplacesOnlyTracesOfTheSameForm) {
               HasSubstr("a trace does not go to standard output"));
 }
 
+TEST_F(TraceCommand, TimelineDrawsIntoADeviceInItsPlace) {
+  const Outcome outcome = run_alone({"timeline", file_, "-o", "/dev/null"});
+
+  EXPECT_EQ(outcome.exit, 0) << outcome.err;
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+}
+
 TEST_F(TraceCommand, TimelineRefusesAPartOutsideTheTrace) {
   for (const std::vector<std::string>& part :
        {std::vector<std::string>{"--from", "100s"}, {"--from", "90s", "--to", "100s"}}) {
