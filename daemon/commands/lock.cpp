@@ -32,6 +32,10 @@ bool only_parks(const Edit& edit) {
          edit.disconnect.empty();
 }
 
+constexpr std::string_view kAllIsLocked =
+    "everything that runs is locked: components may be stopped and a change may be confirmed, "
+    "nothing else";
+
 /// "uid 1000 set the lock (mission); an administrator ends it: mauvectl lock none"
 std::string step_under_a_lock(const Running& running) {
   const auto& [uid, time, reason] = running.locked;
@@ -41,9 +45,7 @@ std::string step_under_a_lock(const Running& running) {
 }
 
 Error all_is_locked(const Running& running) {
-  return refuse({Errc::conflict, "locked"}, "lock",
-                "everything that runs is locked: components may be stopped and a change may be "
-                "confirmed, nothing else",
+  return refuse({Errc::conflict, "locked"}, "lock", std::string(kAllIsLocked),
                 step_under_a_lock(running));
 }
 
@@ -82,8 +84,58 @@ std::string rule_of(Lock lock) {
   }
   return lock == Lock::topology ? "topology is locked, so only properties may be changed, and "
                                   "components started and stopped"
-                                : "everything that runs is locked, so components may only be "
-                                  "stopped";
+                                : std::string(kAllIsLocked);
+}
+
+using HeldRules = std::map<std::string, std::string_view>;
+
+/// The lock before a request changes it.
+struct Before {
+  Lock lock = Lock::none;
+  LockRequest by;
+  HeldRules held;
+};
+
+/// "the lock all of uid 1000, set at 2026-01-31T12:00:00Z (mission)"
+std::string lock_in_words(const Before& before, uid_t asks) {
+  constexpr std::size_t kSeconds = 19;
+  const auto& [uid, time, reason] = before.by;
+  return "the lock " + std::string(to_string(before.lock)) + " of " +
+         (uid == asks ? "" : "another user, ") + "uid " + std::to_string(uid) + ", set at " +
+         time.substr(0, kSeconds) + "Z" + (reason.empty() ? "" : " (" + reason + ")");
+}
+
+/// The lock or the reason that a request ends. Every step but that to `all` permits changes that
+/// the lock before it refused.
+std::string note_on_lock(const Before& before, Lock now, uid_t asks) {
+  const auto words = lock_in_words(before, asks);
+  if (now == Lock::none) {
+    return "this ends " + words;
+  }
+  if (now == before.lock) {
+    return before.by.reason.empty() ? words + ", had no reason"
+                                    : "the new reason replaces that of " + words;
+  }
+  return "the lock " + std::string(to_string(now)) + " replaces " + words +
+         (now == Lock::all ? "" : ", and permits changes that it refused");
+}
+
+/// "rule gnss_lost was held and may fire now"; empty: no rule was released.
+std::string note_on_rules(const HeldRules& before, const HeldRules& now) {
+  std::vector<std::string> names;
+  for (const auto& [rule, why] : before) {
+    if (!now.contains(rule)) {
+      names.push_back(rule);
+    }
+  }
+  std::string list;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    list += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+  }
+  if (names.size() == 1) {
+    return "rule " + list + " was held and may fire now";
+  }
+  return names.empty() ? "" : "rules " + list + " were held and may fire now";
 }
 
 }  // namespace
@@ -197,21 +249,33 @@ void set_lock(Running& running, const CallPtr& call, Ticket /*none: it waits for
     return answer(running, *call, met.error());
   }
   const auto lock = static_cast<Lock>(found - kLocks.begin());
-  const bool changed = running.lock != lock;
-  running.lock = lock;
-  running.locked = {call->caller.peer.uid, logging::utc(std::chrono::system_clock::now()),
-                    text_or(call->params, "reason")};
-  Json held = Json::array();
-  for (const auto& [rule, why] : held_rules(running)) {
-    held.push_back(rule);
+  const auto reason = text_or(call->params, "reason");
+  const auto uid = call->caller.peer.uid;
+  const Before before = {running.lock, running.locked, held_rules(running)};
+  const bool new_reason = lock != Lock::none && !reason.empty() && reason != before.by.reason;
+  const bool changed = lock != before.lock || new_reason;
+  if (changed) {
+    running.lock = lock;
+    running.locked = {uid, logging::utc(std::chrono::system_clock::now()), reason};
   }
-  answer(running, *call,
-         Json{{"lock", word},
-              {"changed", changed},
-              {"rules_held", held.size()},
-              {"held_rules", held},
-              {"state", "applied"},
-              {"generation", running.generation.load()}});
+  const auto held = held_rules(running);
+  Json names = Json::array();
+  for (const auto& [rule, why] : held) {
+    names.push_back(rule);
+  }
+  Json result = {{"lock", word},
+                 {"changed", changed},
+                 {"rules_held", held.size()},
+                 {"held_rules", std::move(names)},
+                 {"state", changed ? "applied" : "unchanged"},
+                 {"generation", running.generation.load()}};
+  if (changed && before.lock != Lock::none) {
+    result["notes"].push_back(note_on_lock(before, lock, uid));
+  }
+  if (auto note = note_on_rules(before.held, held); !note.empty()) {
+    result["notes"].push_back(std::move(note));
+  }
+  answer(running, *call, std::move(result));
 }
 
 }  // namespace mauve::daemon

@@ -146,6 +146,20 @@ TEST(LocksAndRules, HoldARuleByTheDifferencesOfItsSteps) {
   }
 }
 
+TEST(LocksAndRules, NameTheRulesThatMayFireUnderTheNextLock) {
+  TrialDaemon daemon(with_rules_of_every_step().dump());
+  const auto released = [&](const std::string& lock) {
+    const auto answer = daemon.ask("lock.set", {{"lock", lock}});
+    return answer.contains("notes") ? answer["notes"].back().get<std::string>() : "no note";
+  };
+
+  EXPECT_EQ(released("all"), "no note");
+  EXPECT_EQ(released("topology"), "rules sets and starts were held and may fire now");
+  EXPECT_EQ(released("params"), "rules connects, disconnects and swaps were held and may fire now");
+  EXPECT_EQ(released("none"), "rule sets was held and may fire now");
+  EXPECT_EQ(released("none"), "no note");
+}
+
 TEST(LocksAndRules, LetARuleStopAComponentUnderEveryLock) {
   Json wanted = walked();
   wanted["rules"] = {

@@ -82,6 +82,68 @@ TEST_F(LocksAndRoles, JudgeAChangeByTheRoleThatItsDifferencesNeed) {
   }
 }
 
+/// A lock that a user has set, and the answer to a request of the user with the id 1000.
+class LockOfAUser : public LocksAndRoles {
+ protected:
+  Json set(const std::string& lock, const std::string& reason = {}) {
+    Json params = {{"lock", lock}};
+    if (!reason.empty()) params["reason"] = reason;
+    const auto outcome = ask(Role::admin, "lock.set", params);
+    const auto* answer = std::get_if<Json>(&outcome);
+    return answer == nullptr ? Json() : *answer;
+  }
+  void lock_as(uid_t uid) {
+    running.lock = Lock::all;
+    running.locked = {uid, "2026-01-31T12:00:00.000000Z", "survey of field 3"};
+  }
+};
+
+TEST_F(LockOfAUser, IsUnchangedByTheSameLevelWithoutAnotherReason) {
+  lock_as(1001);
+  for (const auto* reason : {"", "survey of field 3"}) {
+    const auto answer = set("all", reason);
+    EXPECT_EQ(answer["changed"], false) << answer;
+    EXPECT_EQ(answer["state"], "unchanged") << answer;
+    EXPECT_FALSE(answer.contains("notes")) << answer;
+    EXPECT_EQ(running.locked.uid, 1001U);
+    EXPECT_EQ(running.locked.time, "2026-01-31T12:00:00.000000Z");
+    EXPECT_EQ(running.locked.reason, "survey of field 3");
+  }
+}
+
+TEST_F(LockOfAUser, NamesTheReasonThatANewOneReplaces) {
+  lock_as(1000);
+
+  const auto answer = set("all", "repair");
+
+  EXPECT_EQ(answer["changed"], true) << answer;
+  EXPECT_EQ(answer["notes"], Json({"the new reason replaces that of the lock all of uid 1000, set "
+                                   "at 2026-01-31T12:00:00Z (survey of field 3)"}));
+  EXPECT_EQ(running.locked.reason, "repair");
+}
+
+TEST_F(LockOfAUser, IsNamedByTheRequestThatEndsOrWeakensIt) {
+  lock_as(1000);
+  EXPECT_EQ(set("none")["notes"], Json({"this ends the lock all of uid 1000, set at "
+                                        "2026-01-31T12:00:00Z (survey of field 3)"}));
+  lock_as(1001);
+  EXPECT_EQ(
+      set("topology")["notes"],
+      Json({"the lock topology replaces the lock all of another user, uid 1001, set at "
+            "2026-01-31T12:00:00Z (survey of field 3), and permits changes that it refused"}));
+  const auto stronger = set("all")["notes"][0].get<std::string>();
+  EXPECT_THAT(stronger, testing::StartsWith("the lock all replaces the lock topology of uid 1000"));
+  EXPECT_THAT(stronger, testing::Not(testing::HasSubstr("permits")));
+}
+
+TEST_F(LockOfAUser, OfNothingHasNoNoteAndNeverChanges) {
+  const auto answer = set("none", "nothing to do");
+
+  EXPECT_EQ(answer["changed"], false) << answer;
+  EXPECT_FALSE(answer.contains("notes")) << answer;
+  EXPECT_FALSE(set("params").contains("notes"));
+}
+
 /// An administrator's change of the elements is on probation; to undo it is such a change too.
 TEST_F(LocksAndRoles, LetAnOperatorUndoNothingThatNeedsAnAdmin) {
   const std::string more = R"({"schema": "mauve/architecture/1", "name": "empty", "resources":
