@@ -294,11 +294,12 @@ std::vector<std::string> notes_of(const System& system, const Content& change) {
   for (const auto& one : system.probations) {
     if (one->reported() || !concerns(system, change, one->content())) continue;
     const OpenProbation open = one->look();
-    const std::string names = in_words(open.components);
+    const std::string names =
+        open.components.empty() ? "" : " (" + in_words(open.components) + ")";  // rules have none
     const std::string first = std::to_string(open.generations.front());
     if (can_join(change, one->content())) {
       const bool several = open.generations.size() > 1;
-      notes.push_back(generations_in_words(open.generations) + " (" + names + ")" +
+      notes.push_back(generations_in_words(open.generations) + names +
                       (several ? " are still on probation, and this change joins them: `undo` or a "
                                  "failure takes back all of them together"
                                : " is still on probation, and this change joins it: `undo` or a "
@@ -307,8 +308,8 @@ std::vector<std::string> notes_of(const System& system, const Content& change) {
                       "; only a `mauvectl confirm` before this change keeps " +
                       (several ? "the older ones" : "the older one"));
     } else {
-      notes.push_back("the probation of " + generations_in_words(open.generations) + " (" + names +
-                      ") ends early: a failure rolls back to before this change only");
+      notes.push_back("the probation of " + generations_in_words(open.generations) + names +
+                      " ends early: a failure rolls back to before this change only");
     }
   }
   return notes;

@@ -13,6 +13,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::StartsWith;
 
 /// Throws in its twentieth job.
 struct Failing : ramp::Up {
@@ -290,6 +291,22 @@ TEST_F(Joining, AStopBetweenTwoChangesIsNotRolledBackWithThem) {
   report_after(50ms);
 
   EXPECT_EQ(deployer.status("left").state, ComponentState::stopped);
+}
+
+TEST_F(Joining, AChangeOfRulesHasNoComponentToName) {
+  Change rules;
+  rules.changes_rules = true;
+  rules.probation.emplace();
+  apply(rules);
+
+  const Receipt next = apply({to<ramp::Down>("left")});
+  const Receipt rules_again = apply(rules);
+
+  ASSERT_EQ(next.notes.size(), 1u);
+  EXPECT_THAT(next.notes[0], StartsWith("generation 2 is still on probation, and"));
+  ASSERT_EQ(rules_again.notes.size(), 1u);
+  EXPECT_THAT(rules_again.notes[0],
+              StartsWith("the probation of generations 2 to 3 (left) ends early"));
 }
 
 TEST_F(Joining, WhatAwaitsConfirmationIsNotChangedAndTheOthersAre) {
