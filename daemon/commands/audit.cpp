@@ -5,6 +5,7 @@
 
 #include "base/thread_role.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -55,10 +56,44 @@ Line begin(const Call& call) {
   }
   // A change that the daemon makes by itself gives its reason: "by rule gnss_lost".
   const bool by_itself = call.method->name == kSupervision && !reason.empty();
-  line.fields.push_back(
-      {"by", by_itself ? bounded(reason) : "by uid " + std::to_string(call.caller.peer.uid)});
+  const auto user = "by uid " + std::to_string(call.caller.peer.uid) +
+                    (reason.empty() ? "" : " (" + bounded(reason) + ")");
+  line.fields.push_back({"by", by_itself ? bounded(reason) : user});
   line.add("before", number(call.before));
   return line;
+}
+
+/// The first parameter of the method: "first.core.gain, first.core.bias and 3 more". The text of a
+/// file is left out for its name.
+std::string object_of(const Call& call) {
+  constexpr std::size_t kFew = 3;
+  const auto params = call.method->params;
+  const auto first = std::ranges::find_if(
+      params, [](const protocol::Field& field) { return field.name != "text"; });
+  const auto given = first == params.end() ? call.params.end() : call.params.find(first->name);
+  if (given == call.params.end() || given->is_boolean()) {
+    return {};
+  }
+  if (!given->is_structured()) {
+    return bounded(given->is_string() ? given->get<std::string>() : given->dump());
+  }
+  std::string names;
+  std::size_t count = 0;
+  for (const auto& one : given->items()) {
+    if (++count <= kFew) {
+      const auto name = given->is_object() ? Json(one.key()) : one.value();
+      names +=
+          (names.empty() ? "" : ", ") + (name.is_string() ? name.get<std::string>() : name.dump());
+    }
+  }
+  return bounded(names) + (count > kFew ? " and " + std::to_string(count - kFew) + " more" : "");
+}
+
+/// "dry run of param.set first.core.gain"
+std::string request_of(const Call& call) {
+  const auto object = object_of(call);
+  return (flag(call.params, "dry_run") ? "dry run of " : "") + std::string(call.method->name) +
+         (object.empty() ? "" : " ") + object;
 }
 
 /// Of a command that changes no component: "goal.write [{x: 1, y: 2}]", a plugin, a lock, a core.
@@ -125,7 +160,8 @@ Json audit_applied(Running& running, const Call& call, const Json& result) {
   MAUVE_ON_THREAD(control);
   auto line = begin(call);
   line.add("generation", number(running.deployer.generation()));
-  line.add("state", text_or(result, "state", "applied"));
+  const bool unchanged = result.contains("changed") && !flag(result, "changed");
+  line.add("state", text_or(result, "state", unchanged ? "unchanged" : "applied"));
   line.json["outcome"] = "applied";
   if (auto changes = changes_of(result); !changes.empty()) {
     line.json["changes"] = std::move(changes);
@@ -154,6 +190,7 @@ std::optional<Json> audit_refused(Running& running, const Call& call, const Faul
   line.json["outcome"] = "refused";
   line.json["generation"] = running.generation.load();
   if (call.method->name != kSupervision) {
+    line.fields.push_back({"request", request_of(call)});
     running.log.write(unsafe ? Event::change_unsafe : Event::change_refused,
                       std::move(line.fields));
   }

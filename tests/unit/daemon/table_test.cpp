@@ -194,8 +194,42 @@ TEST_F(TableTest, WritesAnAuditLineForEveryChangeAndEveryRefusedOne) {
   ASSERT_EQ(records.size(), 2U);
   EXPECT_EQ(records[0].event, logging::Event::change_applied);
   EXPECT_THAT(logging::to_json_line(records[0]), testing::HasSubstr("\"reason\":\"lunch\""));
+  EXPECT_THAT(records[0].text, testing::StartsWith("component.stop by uid 1000 (lunch): "));
   EXPECT_EQ(records[1].event, logging::Event::change_refused);
   EXPECT_THAT(records[1].text, testing::HasSubstr("uid 1000"));
+}
+
+TEST_F(TableTest, NamesTheObjectOfARefusedChangeAndADryRunInTheLog) {
+  const Json values = {{"a.core.w", 1}, {"a.core.x", 1}, {"a.core.y", 1}, {"a.core.z", 1}};
+  const std::vector<std::tuple<const char*, Json, const char*>> requests = {
+      {"param.set", {{"values", {{"a.core.x", 1}}}}, "param.set a.core.x by"},
+      {"param.set", {{"values", values}}, "param.set a.core.w, a.core.x, a.core.y and 1 more by"},
+      {"component.start", {{"components", {"a", "b"}}}, "component.start a, b by"},
+      {"port.disconnect", {{"port", "a.ports.in"}}, "port.disconnect a.ports.in by"},
+      {"architecture.apply", {{"text", "{"}, {"file", "robot.json"}}, "architecture.apply robot"},
+      {"change.apply", {{"text", "["}}, "change.apply by"},
+      {"architecture.apply",
+       {{"text", "{"}, {"dry_run", true}},
+       "dry run of architecture.apply by"}};
+
+  for (const auto& [method, params, text] : requests) {
+    EXPECT_NE(refused(Role::admin, method, params).name, "") << method;
+    log.flush();
+    EXPECT_THAT(log.history().tail(1, {}).front().text, testing::StartsWith(text));
+  }
+}
+
+TEST_F(TableTest, LogsAConfirmationOfNothingAsUnchanged) {
+  static_cast<void>(ask(Role::operator_, "change.confirm"));
+  static_cast<void>(ask(Role::admin, "lock.set", {{"lock", "none"}}));
+  log.flush();
+
+  const auto records = log.history().tail(2, {});
+
+  ASSERT_EQ(records.size(), 2U);
+  EXPECT_THAT(records[0].text, testing::AllOf(testing::StartsWith("change.confirm"),
+                                              testing::EndsWith("unchanged")));
+  EXPECT_THAT(records[1].text, testing::EndsWith("unchanged none"));
 }
 
 TEST_F(TableTest, WritesWhoItWasOnceIntoTheAuditLog) {
