@@ -33,7 +33,7 @@ std::string render_history(const Json& result, Look look) {
     const std::string mark = word(one, "mark");
     table.add({{word(one, "generation")},
                {time_in_words(word(one, "time"))},
-               {word(one, "command") == "supervision" ? "-" : user_in_words(one)},
+               {word(one, "command") == "supervision" ? "none" : user_in_words(one)},
                {command_of(one)},
                {mark, paint_of_mark(mark)},
                {word(one, "changes")},

@@ -42,8 +42,13 @@ std::string what_happened(const Json& failure) {
   return line;
 }
 
+/// "generation 42 by core.swap, uid 7, 2026-01-01T09:59:00Z: try it"; of a change that no user
+/// asked for "generation 42 by rule gnss_lost, 2026-01-01T09:59:00Z".
 std::string change_in_words(const Json& change) {
   const std::string reason = word(change, "reason");
+  if (word(change, "method") == "supervision") {
+    return "generation " + word(change, "generation") + " " + reason + ", " + word(change, "time");
+  }
   return "generation " + word(change, "generation") + " by " + word(change, "method") + ", uid " +
          word(change, "uid") + ", " + word(change, "time") + (reason.empty() ? "" : ": " + reason);
 }

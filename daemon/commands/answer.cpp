@@ -50,7 +50,7 @@ void remember_author(Running& running, const Call& call, const Json& result,
                      std::uint64_t generation) {
   if (generation != running.author.generation && generation != call.before) {
     running.author = {generation, call.caller.peer.uid, std::string(call.method->name),
-                      changes_of(result)};
+                      changes_of(result), text_or(call.params, "reason")};
   }
 }
 
@@ -116,9 +116,13 @@ void answer_applied(Running& running, const Call& call, Json result) {
        });
 }
 
+/// ", made by uid 1000 with param.set", ", made by rule gnss_lost", ", requested by pilot"
 std::string made_by(const Author& author, std::uint64_t generation) {
   if (author.generation != generation || author.command.empty()) {
     return {};
+  }
+  if (author.command == kSupervision) {
+    return (author.reason.starts_with("by ") ? ", made " : ", ") + author.reason;
   }
   return ", made by uid " + std::to_string(author.uid) + " with " + author.command;
 }

@@ -69,7 +69,8 @@ struct Author {
   std::uint64_t generation = 0;
   uid_t uid = 0;
   std::string command;
-  std::string changes;  ///< in the lines of `plan`, bounded; may be empty
+  std::string changes;      ///< in the lines of `plan`, bounded; may be empty
+  std::string reason = {};  ///< as given; of a change that mauved made by itself its cause
 };
 
 /// A generation in force that has no rollback: after a start, or a reload with probation off.

@@ -70,6 +70,9 @@ TEST_F(AuditOfEveryChange, HasTheChangesOfRules) {
   EXPECT_EQ(line.value("reason", ""), "by rule loud") << line;
   EXPECT_EQ(line.value("changes", ""), "~ first.core.gain: 6 -> 1") << line;
   EXPECT_EQ(line.value("uid", 1'000'000U), geteuid()) << "mauved did it itself";
+  const auto late =
+      daemon.ask("param.set", {{"values", gain(6.0)["values"]}, {"if_generation", 1}});
+  EXPECT_THAT(late.value("message", ""), HasSubstr("3 is running, made by rule loud"));
   expect_a_line_for_each_generation(daemon);
 }
 

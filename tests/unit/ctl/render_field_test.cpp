@@ -94,6 +94,16 @@ TEST(RenderHistory, NamesTheUserAndARollbackByMauved) {
   EXPECT_NE(text.find("rollback by mauved"), std::string::npos) << text;
 }
 
+TEST(RenderHistory, SaysThatNoUserAskedForAChangeByARule) {
+  const std::string text = render_history(Json::parse(R"({"state_dir": "/s", "items": [
+    {"generation": 42, "time": "2026-01-31T12:00:00.123456Z", "uid": 0, "command": "supervision",
+     "changes": "", "reason": "by rule far", "mark": "confirmed", "boot": "b"}]})"),
+                                          {});
+
+  EXPECT_NE(text.find(" none "), std::string::npos) << text;
+  EXPECT_EQ(text.find("root"), std::string::npos) << text;
+}
+
 TEST(RenderHistory, SaysWhenNothingIsKept) {
   EXPECT_EQ(render_history({{"items", Json::array()}, {"state_dir", nullptr}}, {}),
             "nothing is kept: mauved runs without --state-dir\n");

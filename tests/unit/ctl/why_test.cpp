@@ -34,6 +34,15 @@ Json without_failure() {
   return answer;
 }
 
+TEST(Why, NamesTheRuleThatMadeAChangeAndNoUser) {
+  Json answer = without_failure();
+  answer["change"].update({{"method", "supervision"}, {"uid", 0}, {"reason", "by rule far"}});
+
+  const std::string text = render_why(answer, {});
+
+  EXPECT_THAT(text, testing::HasSubstr("generation 42 by rule far, 2026-01-01T09:59:00.0Z\n"));
+}
+
 TEST(Why, IsAnsweredInAFewLines) {
   Json answer = kWhy;
   answer["records"] = Json::array({kLastRecord});
