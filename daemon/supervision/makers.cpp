@@ -52,8 +52,9 @@ std::vector<rules::RuleId> Makers::forget(const std::vector<std::uint64_t>& gene
   return rules;
 }
 
-std::vector<std::string> Makers::notes_on(const std::vector<std::uint64_t>& generations,
-                                          const std::function<bool(rules::RuleId)>& goes_on) const {
+std::vector<std::string> Makers::notes_on(
+    const std::vector<std::uint64_t>& generations,
+    const std::function<std::string(rules::RuleId)>& then) const {
   std::map<std::string, std::pair<std::string, const Maker*>> all;  // by their words
   for (const auto generation : generations) {
     const auto [first, last] = makers_.equal_range(generation);
@@ -67,14 +68,12 @@ std::vector<std::string> Makers::notes_on(const std::vector<std::uint64_t>& gene
   for (const auto& [by, made] : all) {
     const auto& [numbers, maker] = made;
     const bool one = numbers.find(',') == std::string::npos;
+    const auto after = maker->rule ? then(*maker->rule) : std::string();
     notes.push_back((one ? "generation " : "generations ") + numbers +
                     (by.starts_with("by") ? one ? " was made " : " were made "
                      : one                ? " is "
                                           : " are ") +
-                    by +
-                    (maker->rule && goes_on(*maker->rule)
-                         ? ", which fires again while its condition holds"
-                         : ""));
+                    by + (after.empty() ? "" : ", " + after));
   }
   return notes;
 }

@@ -32,10 +32,10 @@ class Makers {
   /// These generations were rolled back. Returns the rules that made some or relied on some.
   std::vector<rules::RuleId> forget(const std::vector<std::uint64_t>& generations);
   /// A sentence on each maker: "generations 3 and 5 were made by rule too_hot, which fires again
-  /// while its condition holds". `goes_on`: the rule is still in force after the undo.
+  /// while its condition holds". `then`: "which fires again ..."; empty: the rule is gone.
   [[nodiscard]] std::vector<std::string> notes_on(
       const std::vector<std::uint64_t>& generations,
-      const std::function<bool(rules::RuleId)>& goes_on) const;
+      const std::function<std::string(rules::RuleId)>& then) const;
 
  private:
   [[nodiscard]] bool is_remembered(const std::vector<std::uint64_t>& generations,

@@ -2,6 +2,7 @@
 #include "supervision/supervisor.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "arch/compare/diff_rules.h"
 #include "arch/parse/transaction.h"
@@ -86,14 +87,22 @@ std::vector<std::string> Supervisor::notes_on(const std::vector<std::uint64_t>& 
       adopted_in_ != 0 && std::ranges::find(generations, adopted_in_) != generations.end();
   const auto changed =
       brings_back ? arch::changed_rules(before_, supervision_) : std::vector<std::string>();
-  return makers_.notes_on(generations, [&](rules::RuleId id) {
+  auto notes = makers_.notes_on(generations, [&](rules::RuleId id) -> std::string {
     for (std::size_t i = 0; i < engine_.rules().size(); ++i) {
-      if (engine_.id(i) == id) {
-        return std::ranges::find(changed, engine_.rules()[i].name) == changed.end();
+      const bool stays = std::ranges::find(changed, engine_.rules()[i].name) == changed.end();
+      if (engine_.id(i) != id || !stays) {
+        continue;
       }
+      return engine_.limited(i, running_->deployer.clock().now()) > Duration{0}
+                 ? "which has reached its per_hour and does not fire again until that permits it"
+                 : "which fires again while its condition holds";
     }
-    return false;
+    return {};
   });
+  if (brings_back) {
+    std::ranges::move(notes_on_change(before_), std::back_inserter(notes));
+  }
+  return notes;
 }
 
 std::vector<std::string> Supervisor::notes_on_change(const rules::Supervision& wanted) const {

@@ -11,7 +11,8 @@ namespace {
 /// "0.4", "12.5", "90".
 std::string seconds(Duration duration) {
   char text[40];
-  std::snprintf(text, sizeof text, "%.3g", std::chrono::duration<double>(duration).count());
+  const double seconds = std::chrono::duration<double>(duration).count();
+  std::snprintf(text, sizeof text, seconds < 100 ? "%.3g" : "%.0f", seconds);
   return text;
 }
 

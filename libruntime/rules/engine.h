@@ -70,6 +70,10 @@ class Engine {
   /// again while its condition holds. A rule that is gone is passed over.
   void undone(RuleId rule);
 
+  /// How long this rule, by its index, may not fire because of its per_hour.
+  [[nodiscard]] Duration limited(std::size_t rule, Instant now) const {
+    return watched_[rule].trigger.limited(now);
+  }
   [[nodiscard]] Report report(std::size_t rule, Instant now, const Read& read) const;
 
  private:

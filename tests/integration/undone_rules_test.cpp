@@ -99,6 +99,35 @@ TEST(Rules, ThatAnUndoTakesAwayDoNotFireAgain) {
   EXPECT_THAT(plan.dump(), Not(HasSubstr("fires again"))) << plan;
 }
 
+TEST(Rules, ThatAnUndoBringsBackAreNamedWhenTheirConditionHolds) {
+  const std::string once = R"({ "name": "once", "when": "first.core.gain > 5", "do": "calm",
+                               "per_hour": 1, "cool_down": "1ms" })";
+  RulesDaemon daemon(supervised(once));
+  auto wanted = daemon.ask("config.get")["architecture"];
+  wanted["rules"][0]["per_hour"] = 2;
+  daemon.ask("architecture.apply", {{"text", wanted.dump()}});
+  wanted["rules"][0]["when"] = "first.core.gain > 7";
+  daemon.ask("architecture.apply", {{"text", wanted.dump()}});
+  daemon.ask("param.set", {{"values", {{"first.core.gain", 6.0}}}});
+
+  const auto plan = daemon.ask("change.undo", {{"generation", 3}, {"dry_run", true}});
+
+  EXPECT_THAT(plan["notes"].dump(),
+              HasSubstr("rule once begins armed, and its condition holds now"))
+      << plan;
+}
+
+TEST(Rules, DoNotPromiseToFireAgainBeyondTheirLimit) {
+  RulesDaemon daemon(supervised(
+      R"({ "name": "once", "when": "first.core.gain > 5", "do": "calm", "per_hour": 1 })"));
+  daemon.ask("param.set", {{"values", {{"first.core.gain", 6.0}}}, {"probation", "off"}});
+  ASSERT_TRUE(daemon.fired("once", 1)) << daemon.rule("once");
+
+  const auto plan = daemon.ask("change.undo", {{"dry_run", true}});
+
+  EXPECT_THAT(plan["notes"].dump(), HasSubstr("has reached its per_hour")) << plan;
+}
+
 TEST(Rules, ThatALockHoldsAreReportedOnceAndShownByStatus) {
   RulesDaemon daemon(
       supervised(R"({ "name": "busy", "when": "second.core.count > 20", "do": "deaf" })"));

@@ -27,7 +27,7 @@ TEST(Makers, NameTheGenerationsOfOneRuleTogether) {
     makers.remember(generation, {"by rule loud", 0});
   }
 
-  EXPECT_EQ(makers.notes_on({4, 6}, [](rules::RuleId) { return false; }),
+  EXPECT_EQ(makers.notes_on({4, 6}, [](rules::RuleId) { return std::string(); }),
             (std::vector<std::string>{"generations 4, 6 were made by rule loud"}));
 }
 
@@ -40,7 +40,11 @@ TEST(Makers, NameARuleOnceThatMadeAChangeAndThenReliedOnIt) {
     makers.rely(open_probation(), set_gain(), {"relied on by rule quiet", 1});
   }
 
-  EXPECT_EQ(makers.notes_on({2, 3}, [](rules::RuleId rule) { return rule == 0; }),
+  EXPECT_EQ(makers.notes_on({2, 3},
+                            [](rules::RuleId rule) {
+                              return std::string(
+                                  rule == 0 ? "which fires again while its condition holds" : "");
+                            }),
             (std::vector<std::string>{
                 "generation 2 was made by rule loud, which fires again while its condition holds",
                 "generation 3 is relied on by rule quiet"}));

@@ -183,7 +183,7 @@ TEST_F(Rules, SayWhyTheyDoNotFire) {
   EXPECT_EQ(after(engine, 20ms), Fired{});
   EXPECT_EQ(report(engine).why_not, "cooling down 2.98 s more");
   EXPECT_EQ(after(engine, 5s), Fired{});
-  EXPECT_EQ(report(engine).why_not, "limit 1 an hour reached, for 3.59e+03 s more");
+  EXPECT_EQ(report(engine).why_not, "limit 1 an hour reached, for 3593 s more");
   EXPECT_EQ(report(engine).times, 1U);
 }
 
