@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,12 +20,26 @@ struct OpenChange {
   std::uint64_t before = 0;  ///< the generation that it rolls back to
   std::uint64_t newest = 0;
   std::map<std::string, protocol::Json> components;  ///< as they were; null: there was none
-  bool ordered = false;  ///< something was stopped or started by request since then
+  /// Those that were stopped or started by request since they were changed last.
+  std::set<std::string> ordered = {};
 
+  /// A component that was stopped or started between the two changes is as it was before this one.
   void join(const OpenChange& earlier) {
     before = std::min(before, earlier.before);
-    ordered = ordered || earlier.ordered;
-    for (const auto& [component, content] : earlier.components) components[component] = content;
+    for (auto [component, content] : earlier.components) {
+      const bool was_ordered = earlier.ordered.contains(component);
+      const auto later = components.find(component);
+      if (later == components.end() && was_ordered) ordered.insert(component);
+      if (later != components.end() && was_ordered) content = with_start_of(content, later->second);
+      components[component] = content;
+    }
+  }
+
+  static protocol::Json with_start_of(protocol::Json content, const protocol::Json& other) {
+    if (content.is_null()) return content;
+    content.erase("start");
+    if (other.is_object() && other.contains("start")) content["start"] = other["start"];
+    return content;
   }
 };
 
@@ -41,7 +56,9 @@ class OpenChanges {
   }
   /// Something was stopped or started.
   void order() {
-    for (auto& one : open_) one.ordered = true;
+    for (auto& one : open_) {
+      for (const auto& [component, content] : one.components) one.ordered.insert(component);
+    }
   }
   /// The notes of its answer state which probations a change joins, and which it ends. One that has
   /// no probation of its own (not `has_probation`) is on probation when it joins another.
@@ -63,13 +80,11 @@ class OpenChanges {
     open_.pop_back();
     auto& components = system["components"];
     for (const auto& [component, before] : newest.components) {
-      const Json start = components.value(component, Json::object()).value("start", Json());
+      const Json now = components.value(component, Json::object());
       components.erase(component);
       if (before.is_null()) continue;
-      components[component] = before;
-      if (!newest.ordered) continue;
-      components[component].erase("start");
-      if (!start.is_null()) components[component]["start"] = start;
+      components[component] =
+          newest.ordered.contains(component) ? OpenChange::with_start_of(before, now) : before;
     }
     return newest.before;
   }

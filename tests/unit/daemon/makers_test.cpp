@@ -23,7 +23,7 @@ std::vector<OpenProbation> open_probation() {
 
 TEST(Makers, NameTheGenerationsOfOneRuleTogether) {
   Makers makers;
-  for (const std::uint64_t generation : {4, 5, 6}) {
+  for (const auto generation : std::vector<std::uint64_t>{4, 5, 6}) {
     makers.remember(generation, {"by rule loud", 0});
   }
 
