@@ -86,8 +86,8 @@ class WorldCore final : public mauve::Core<mauve::EmptyShell> {
     const double north = origin_.y + pose.y + state_->random.normal(gnss_noise);
     const localization::Geographic there = utm_.reverse({east, north}, kZone);
     GnssFix fix;
-    // In this world it was midnight when the drive began.
-    fix.time = std::fmod(state_->robot.odometry().time, 86400.0);
+    // The clock of the satellites goes on while the robot stands; midnight is where it begins.
+    fix.time = std::fmod(mauve::to_seconds(mauve::job_time()), 86400.0);
     fix.latitude = there.latitude;
     fix.longitude = there.longitude;
     fix.altitude = kGroundAltitude + state_->random.normal(2.0 * gnss_noise);

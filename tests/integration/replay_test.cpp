@@ -54,9 +54,10 @@ class Replay : public testing::Test {
     daemon_.emplace(place_.write("replay.json", replay(line_.device(), "")));
     ASSERT_TRUE(daemon_->up()) << daemon_->errors();
     watch_.emplace(daemon_->client_words({"watch", "fix.read"}));
-    // A fix of our own until it is seen: from then on nothing is lost.
-    ASSERT_TRUE(eventually([this] {
-      send(writer_.compose({1.0, 1.0, 1.0, 1.0, 1.0, 3, 4}, 0.0, 0.0));
+    // A fix of our own, each time of another epoch, until one is seen: from then on nothing is
+    // lost.
+    ASSERT_TRUE(eventually([this, time = 100.0]() mutable {
+      send(writer_.compose({time++, 1.0, 1.0, 1.0, 1.0, 3, 4}, 0.0, 0.0));
       return !take_fixes().empty();
     }));
     settle();
@@ -139,8 +140,7 @@ TEST_F(Replay, PublishesEveryEpochOfEveryReceiverAsGpsdReadsIt) {
       for (const auto& report : epochs[i].reports) expect_same(seen[i], report);
     }
     settle();
-    // This one recording ends in a truncated sentence.
-    EXPECT_EQ(bad_frames() - bad_before, entry.path().filename() == "ublox-8.log" ? 1U : 0U);
+    EXPECT_EQ(bad_frames() - bad_before, 0U);
   }
 }
 
@@ -162,7 +162,7 @@ TEST_F(Replay, CountsAndSkipsDamagedSentencesAndUsesTheNextGoodOne) {
   for (std::size_t i = 0; i < seen.size(); ++i) {
     EXPECT_NEAR(seen[i]["latitude"], 40.0 + 0.02 * static_cast<double>(i), 1e-7);
   }
-  EXPECT_EQ(bad_frames(), 20U);
+  EXPECT_EQ(bad_frames(), 10U) << "those that broke off have no checksum";
   EXPECT_TRUE(daemon_->says("gnss: 10 damaged frames so far")) << daemon_->errors();
 }
 
@@ -189,9 +189,11 @@ TEST(ReplayGnss, OpensItsDeviceAgainWhenItComesBack) {
   ASSERT_TRUE(line.open(device));
   DaemonProcess daemon(place.write("replay.json", replay(device, "")));
   ASSERT_TRUE(daemon.up()) << daemon.errors();
+  double time = 1.0;
   const auto heard = [&](double latitude) {
     return eventually([&] {
-      static_cast<void>(line.send(writer.compose({1.0, latitude, 1.0, 1.0, 1.0, 3, 4}, 0.0, 0.0)));
+      static_cast<void>(
+          line.send(writer.compose({time++, latitude, 1.0, 1.0, 1.0, 3, 4}, 0.0, 0.0)));
       const json value = daemon.value("fix.read");
       return value.is_object() && value["latitude"] == latitude;
     });

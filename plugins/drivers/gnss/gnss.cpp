@@ -21,7 +21,7 @@ struct GnssLine {
   LineBytes bytes;
 
   /// Opaque to tools; raise the revision when anything in it changes.
-  static constexpr std::string_view type_name = "gnss_line/4";
+  static constexpr std::string_view type_name = "gnss_line/5";
   static constexpr auto fields() { return std::tuple{}; }
 };
 

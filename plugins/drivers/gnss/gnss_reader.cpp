@@ -17,7 +17,6 @@ GnssReader::Event GnssReader::read(GnssStream::Event found, const GnssStream& st
   suspect(static_cast<int>(std::min<std::uint32_t>(damaged, 4)));
   if (found == GnssStream::Event::sentence) event = read_sentence(stream.sentence(), now);
   if (found == GnssStream::Event::message) event = read_message(stream.message(), now);
-  if (event == Event::malformed) suspect(1);
   if (event != Event::fix) return event;
   context_.damage = mending_ > kBad;
   if (!gate_.admit(next_, now, speed_limit, context_)) return Event::implausible;

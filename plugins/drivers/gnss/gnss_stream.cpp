@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "gnss_stream.h"
 
+#include "ubx_pvt.h"
+
 namespace drivers {
 namespace {
 
@@ -23,9 +25,11 @@ GnssStream::Event GnssStream::find() {
     Event event = Event::none;
     switch (messages_.next()) {
       case UbxFrames::Event::frame:
+        proven_.right(ubx_name(messages_.frame()));
         return Event::message;
       case UbxFrames::Event::bad:
-        return Event::bad;
+        if (damaged()) return Event::bad;
+        break;
       case UbxFrames::Event::other:
         event = event_of(sentences_.push(static_cast<char>(messages_.byte())));
         if (event != Event::none) return event;
@@ -33,9 +37,18 @@ GnssStream::Event GnssStream::find() {
       case UbxFrames::Event::none:
         if (!dropped_) return Event::none;
         dropped_ = false;
-        return event_of(sentences_.drop_begun());
+        sentences_.drop_begun();
+        return Event::none;
     }
   }
+}
+
+/// A message whose bytes stayed out has shown no checksum.
+bool GnssStream::damaged() {
+  const Bytes begun = messages_.begun();
+  const std::size_t size = UbxFormat::size(begun);
+  if (begun.size() < size) return false;
+  return (is_pvt(begun) && (size == 92 || size == 100)) || proven_.wrong(ubx_name(begun));
 }
 
 void GnssStream::drop_begun() {

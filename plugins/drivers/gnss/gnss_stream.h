@@ -11,8 +11,9 @@
 
 namespace drivers {
 
-/// Bytes of no UBX message are searched for NMEA, so neither is found inside the other. All of it
-/// is [rt].
+/// Bytes of no UBX message are searched for NMEA, so neither is found inside the other. A damaged
+/// message is one with a wrong checksum whose kind this line has proven, or that is a NAV-PVT.
+/// Others are bytes of something else. All of it is [rt].
 class GnssStream {
  public:
   enum class Event : std::uint8_t {
@@ -40,9 +41,11 @@ class GnssStream {
 
  private:
   Event find();
+  [[nodiscard]] bool damaged();
 
   UbxFrames messages_;
   FrameReader sentences_;
+  Proven<std::uint16_t, 32> proven_;  // kinds of messages
   std::uint32_t bad_ = 0;
   bool dropped_ = false;
 };

@@ -1,22 +1,46 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// From NMEA sentences to gnss_fix/1: one fix for each GGA, its dimensions from the last GSA, and
-/// its confirmation by RMC, GLL and GSA.
+/// From NMEA sentences to gnss_fix/1: one fix for each epoch, from GGA. Its dimensions are from the
+/// last GSA, and RMC and GLL say whether it is valid and confirm it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string_view>
 
 #include "../../types/gnss.h"
 #include "fix_gate.h"
+#include "nmea_fields.h"
 
 namespace drivers {
 
-/// Time and place as RMC or GLL have them.
+/// Time, place and status as RMC or GLL have them.
 struct Witness {
-  double time = 0.0;
+  enum class Status : std::uint8_t { unknown, valid, invalid };
+
+  double time = -1.0;  // s of the day; below 0: none
+  Status status = Status::unknown;
   double latitude = 0.0;
   double longitude = 0.0;
   double grain = 0.0;  // deg, of its last digit; 0: no place
+};
+
+/// The epochs of a line on which several talkers may say each of them (GPGGA, GAGGA), or one says
+/// it twice. The talker with the most satellites of one epoch says the next. All of it is [rt].
+class Talkers {
+ public:
+  using Talker = std::array<char, 2>;
+
+  /// A GGA of `rank`, of `time` (below 0: none): true, when it is the one to use of its epoch.
+  bool uses(const Talker& talker, double time, double rank);
+
+ private:
+  double time_ = -1.0;
+  double best_rank_ = 0.0;
+  Talker first_{};    // of this epoch
+  Talker best_{};     // of this epoch
+  Talker last_{};     // of the last GGA
+  Talker awaited_{};  // best of the epoch before, if it was not the first of it
+  bool used_ = false;
 };
 
 /// Keeps the values of one sentence that matter for the next. All of it is [rt].
@@ -35,18 +59,30 @@ class FixReader {
   [[nodiscard]] const FixContext& context() const { return context_; }
 
  private:
-  Event read_gga(std::string_view frame);
-  void hear(const Witness& said, Witness& kept);
+  using Status = Witness::Status;
+
+  Event read_gga(const Fields& fields);
+  Event read_gsa(const Fields& fields);
+  Event hear(const Witness& said, Witness& kept);
+  Event decide(Status status);
+  [[nodiscard]] Status status_now() const;
+  [[nodiscard]] Status status_before() const;
   void compare(bool same);
 
   rover::GnssFix fix_;
   FixContext context_;
   Witness rmc_;
   Witness gll_;
-  double grain_ = 0.0;     // deg, of the last digit of the position in GGA
-  double dilution_ = 0.0;  // of the last GSA
-  int dimensions_ = 0;     // best GSA since the last GGA: 0 none heard, 1 no fix, 2, 3
-  int agreed_ = 0;         // how well the sentences of this receiver agree
+  Talkers talkers_;
+  double time_ = -1.0;          // of the last GGA
+  double grain_ = 0.0;          // deg, of the last digit of the position in GGA
+  double dilution_ = 0.0;       // of the last GSA
+  int dimensions_ = 0;          // best GSA since the last GGA: 0 none heard, 1 no fix, 2, 3
+  int agreed_ = 0;              // how well the sentences of this receiver agree
+  bool no_satellites_ = false;  // GGA has a position from 0 satellites
+  bool waits_ = false;          // for the status of its epoch
+  bool answered_ = false;       // the status of this epoch came after its GGA
+  bool answers_after_ = false;  // as that of the one before did
 };
 
 }  // namespace drivers

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "ubx_frame.h"
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
 namespace drivers {
@@ -8,6 +10,10 @@ namespace {
 
 constexpr std::uint8_t kFirstSync = 0xb5;
 constexpr std::uint8_t kSecondSync = 0x62;
+
+/// The classes of the chapter "UBX Class IDs"; other bytes begin no message.
+constexpr std::array<std::uint8_t, 16> kClasses{0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x09, 0x0a,
+                                                0x0b, 0x0d, 0x10, 0x13, 0x21, 0x27, 0x28, 0x29};
 
 /// Fletcher's sum over class, id, length and payload.
 std::pair<std::uint8_t, std::uint8_t> sums(Bytes frame) {
@@ -25,8 +31,12 @@ std::pair<std::uint8_t, std::uint8_t> sums(Bytes frame) {
 std::size_t UbxFormat::size(Bytes begun) {
   if (begun[0] != kFirstSync) return 0;
   if (begun.size() > 1 && begun[1] != kSecondSync) return 0;
+  if (begun.size() > 2 && std::find(kClasses.begin(), kClasses.end(), begun[2]) == kClasses.end()) {
+    return 0;
+  }
   if (begun.size() < kHeader) return kAround;
-  return kAround + begun[4] + 256U * begun[5];
+  const std::size_t size = kAround + begun[4] + 256U * begun[5];
+  return size <= kLongest ? size : 0;
 }
 
 bool UbxFormat::intact(Bytes frame) {

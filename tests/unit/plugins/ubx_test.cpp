@@ -89,7 +89,7 @@ TEST(UbxFrame, ReadsThePublishedPolls) {
   EXPECT_EQ(line.bad, 0);
 }
 
-TEST(UbxFrame, CountsEverySingleFlippedBitAndReadsTheNextMessage) {
+TEST(UbxFrame, CountsEverySingleFlippedBitBehindTheHeaderAndReadsTheNextMessage) {
   const std::string frame = pvt(kFix);
   for (std::size_t place = 2; place < frame.size(); ++place) {
     for (unsigned bit = 0; bit < 8; ++bit) {
@@ -100,7 +100,8 @@ TEST(UbxFrame, CountsEverySingleFlippedBitAndReadsTheNextMessage) {
       line.send(damaged + frame + std::string(2000, '\0'));
 
       EXPECT_EQ(line.messages, 1) << "byte " << place << " bit " << bit;
-      EXPECT_GE(line.bad, 1) << "byte " << place << " bit " << bit;
+      EXPECT_LE(line.bad, 1) << "byte " << place << " bit " << bit;
+      EXPECT_TRUE(place < 6 || line.bad == 1) << "byte " << place << " bit " << bit;
     }
   }
 }
@@ -112,7 +113,7 @@ TEST(UbxFrame, ResumesOneByteAfterTheSyncOfADamagedFrame) {
   line.send(std::string("\xb5\x62\x01\x07\x64\x00", 6) + kPvtPoll + pvt(kFix) + kRatePoll);
 
   EXPECT_EQ(line.messages, 3);
-  EXPECT_EQ(line.bad, 1);
+  EXPECT_EQ(line.bad, 0) << "of a length that NAV-PVT never has";
   ASSERT_EQ(line.fixes.size(), 1U);
 }
 
@@ -122,7 +123,7 @@ TEST(UbxFrame, TrustsNoLengthBeyondItsBound) {
   line.send(std::string("\xb5\x62\x01\x07\xff\xff", 6));
   line.send(kPvtPoll);
 
-  EXPECT_EQ(line.bad, 1);
+  EXPECT_EQ(line.bad, 0);
   EXPECT_EQ(line.messages, 1) << "without waiting for 65,535 bytes";
 }
 
@@ -137,7 +138,7 @@ TEST(UbxFrame, GivesUpAHalfFrameAndFindsWhatItHadSwallowed) {
 
   EXPECT_FALSE(line.stream.in_frame());
   EXPECT_EQ(line.sentences, 3);
-  EXPECT_EQ(line.bad, 2) << "the message and the sentence that broke off";
+  EXPECT_EQ(line.bad, 0) << "no checksum of what broke off was seen";
   line.send(pvt(kFix));
   EXPECT_EQ(line.messages, 1);
 }
@@ -250,7 +251,7 @@ TEST(UbxPvt, CallsFieldsThatCannotBeMalformed) {
 TEST(GnssStream, ReadsSentencesAndMessagesOnOneLine) {
   Line line;
 
-  line.send(gga(at(1.0, 1.0)) + kRatePoll + gga(at(2.0, 2.0)) + "$GPGGA,broken\r\n" + kPvtPoll +
+  line.send(gga(at(1.0, 1.0)) + kRatePoll + gga(at(2.0, 2.0)) + "$GPGGA,broken*00\r\n" + kPvtPoll +
             gga(at(3.0, 3.0)));
 
   EXPECT_EQ(line.sentences, 9);
