@@ -4,7 +4,6 @@
 #include <Eigen/LU>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -20,6 +19,8 @@ constexpr double kUnknownHeading = std::numbers::pi * std::numbers::pi;
 constexpr double kFar = 20.0;          // gates away, the filter is not turned but placed
 constexpr double kSharpest = 1e-3;     // m, of a position, even if it claims less
 constexpr double kUnknownPlace = 1e8;  // m^2
+constexpr double kPersists = 2.0;  // s that odd rates or headings agree before they are believed
+constexpr double kDrives = 0.2;    // m/s, from which positions show the heading
 
 /// Beyond these variances nothing is known anyway, and numbers shall stay comparable.
 constexpr std::array<double, kStates> kLargest{
@@ -119,14 +120,49 @@ void apply(const Innovation<N>& innovation, Estimate& estimate) {
         estimate);
 }
 
-/// Corrects by a measurement other than a position; outside the gate it is only counted.
+/// Measurements that stay outside the gate and agree with one another, for long enough, are right.
 template <int N>
-void take(const Parameters& p, const Innovation<N>& innovation, Estimate& estimate) {
-  if (inside(p, innovation)) {
-    apply(innovation, estimate);
-  } else {
-    ++estimate.outliers;
+bool gives_in(const Parameters& p, const Innovation<N>& seen, Rival& rival,
+              const Estimate& estimate) {
+  double apart = 0.0;
+  for (int i = 0; i < N; ++i) {
+    auto& before = rival.offset[static_cast<std::size_t>(i)];
+    apart += square(seen.value[i] - before) / seen.noise(i, i);
+    before = seen.value[i];
   }
+  if (rival.agreeing == 0 || apart > kGate[N]) {
+    rival.agreeing = 0;
+    rival.since = estimate.time;
+  }
+  ++rival.agreeing;
+  return p.reacquire_after > 0 && rival.agreeing >= p.reacquire_after &&
+         estimate.time - rival.since >= kPersists;
+}
+
+/// Corrects by rates. Outside the gate they only count, until they persist: the filter was too sure
+/// of these two states then.
+template <int N>
+void take(const Parameters& p, const Innovation<N>& seen, const std::array<int, 2>& states,
+          Rival& rival, Estimate& estimate) {
+  if (!inside(p, seen)) {
+    ++estimate.outliers;
+    if (!gives_in(p, seen, rival, estimate)) return;
+    ++estimate.reacquired;
+    Matrix covariance = covariance_of(estimate);
+    for (const int state : states) {
+      covariance.row(state) *= std::sqrt(seen.nis);
+      covariance.col(state) *= std::sqrt(seen.nis);
+    }
+    store(covariance, estimate);
+    Innovation<N> again = seen;
+    again.inverse =
+        (seen.jacobian * covariance_of(estimate) * seen.jacobian.transpose() + seen.noise)
+            .inverse();
+    rival = {};
+    return apply(again, estimate);
+  }
+  rival = {};
+  apply(seen, estimate);
 }
 
 /// Turns everything by `angle`, known to `variance`, about the anchor.
@@ -145,6 +181,32 @@ void turn(double angle, double variance, Estimate& estimate) {
   store(jacobian * covariance_of(estimate) * jacobian.transpose() +
             variance * by_angle * by_angle.transpose(),
         estimate);
+}
+
+/// Corrects by a compass, likewise: the filter takes a heading that persists for its own.
+void take_heading(const Parameters& p, double heading, Estimate& estimate) {
+  Eigen::Map<State> mean = mean_of(estimate);
+  const double error = rover::wrap(heading - mean[kHeading]);
+  const Innovation<1> seen =
+      innovation<1>(estimate, seen_by_compass(mean), Column<1>(mean[kHeading] + error),
+                    Column<1>(square(p.compass)));
+  if (inside(p, seen)) {
+    estimate.odd_heading = {};
+    return apply(seen, estimate);
+  }
+  ++estimate.outliers;
+  Innovation<1> odd = seen;  // 3.1 and -3.1 rad are near each other
+  const double before = estimate.odd_heading.offset[0];
+  odd.value[0] = before + rover::wrap(error - before);
+  if (!gives_in(p, odd, estimate.odd_heading, estimate)) return;
+  ++estimate.reacquired;
+  estimate.odd_heading = {};
+  mean[kHeading] = rover::wrap(heading);
+  Matrix covariance = covariance_of(estimate);
+  covariance.row(kHeading).setZero();
+  covariance.col(kHeading).setZero();
+  covariance(kHeading, kHeading) = square(p.compass);
+  store(covariance, estimate);
 }
 
 /// A position as the filter takes it.
@@ -223,41 +285,6 @@ bool gives_in(const Parameters& p, const Position& position, const Innovation<2>
 
 }  // namespace
 
-double Estimate::dispersion() const {
-  const Eigen::Map<const Matrix> p = covariance_of(*this);
-  const double middle = (p(kX, kX) + p(kY, kY)) / 2.0;
-  return std::sqrt(middle + std::hypot((p(kX, kX) - p(kY, kY)) / 2.0, p(kX, kY)));
-}
-
-int Estimate::rejected_recently() const { return std::popcount(recent); }
-
-Estimate begin(const Parameters& p) {
-  Estimate estimate;
-  Eigen::Map<Matrix> covariance = covariance_of(estimate);
-  covariance(kSpeed, kSpeed) = 1.0;
-  covariance(kTurn, kTurn) = 1.0;
-  covariance(kGyroBias, kGyroBias) = square(p.gyro_bias);
-  covariance(kScale, kScale) = square(p.scale);
-  covariance(kTurnScale, kTurnScale) = square(p.turn_scale);
-  covariance(kCurvature, kCurvature) = square(p.curvature);
-  return estimate;
-}
-
-Estimate begin(const Parameters& p, const rover::Pose2D& start, double deviation,
-               double heading_deviation) {
-  Estimate estimate = begin(p);
-  estimate.mean[kX] = start.x;
-  estimate.mean[kY] = start.y;
-  estimate.mean[kHeading] = rover::wrap(start.heading);
-  Eigen::Map<Matrix> covariance = covariance_of(estimate);
-  covariance(kX, kX) = covariance(kY, kY) = square(deviation);
-  covariance(kHeading, kHeading) = square(heading_deviation);
-  estimate.placed = true;
-  estimate.aligned = true;
-  estimate.anchor = {start.x, start.y};
-  return estimate;
-}
-
 void advance(const Parameters& p, double time, Estimate& estimate) {
   if (!estimate.begun) {
     estimate.begun = true;
@@ -281,7 +308,7 @@ void correct(const Parameters& p, const rover::Twist& twist, Estimate& estimate)
   take(p,
        innovation<2>(estimate, seen_by_wheels(mean_of(estimate)), {twist.linear, twist.angular},
                      {square(p.twist_linear), square(p.twist_angular)}),
-       estimate);
+       {kSpeed, kTurn}, estimate.odd_wheels, estimate);
 }
 
 void correct(const Parameters& p, const rover::Imu& imu, Estimate& estimate) {
@@ -289,19 +316,14 @@ void correct(const Parameters& p, const rover::Imu& imu, Estimate& estimate) {
   take(p,
        innovation<1>(estimate, seen_by_gyroscope(mean_of(estimate)), Column<1>(imu.yaw_rate),
                      Column<1>(square(p.gyroscope))),
-       estimate);
+       {kTurn, kGyroBias}, estimate.odd_gyroscope, estimate);
   if (!imu.has_heading) return;
   if (!estimate.aligned) {
     turn(imu.heading - mean_of(estimate)[kHeading], square(p.compass), estimate);
     estimate.aligned = true;
     return;
   }
-  Innovation<1> heading =
-      innovation<1>(estimate, seen_by_compass(mean_of(estimate)),
-                    Column<1>(mean_of(estimate)[kHeading] +
-                              rover::wrap(imu.heading - mean_of(estimate)[kHeading])),
-                    Column<1>(square(p.compass)));
-  take(p, heading, estimate);
+  take_heading(p, imu.heading, estimate);
 }
 
 void correct(const Parameters& p, const rover::Pose& pose, Estimate& estimate) {
@@ -324,6 +346,8 @@ void correct(const Parameters& p, const rover::Pose& pose, Estimate& estimate) {
   if (inside(p, seen)) {
     apply(seen, estimate);
     ++estimate.accepted;
+    // The way that was driven is right, and so is its direction.
+    if (std::abs(mean_of(estimate)[kSpeed]) > kDrives) estimate.odd_heading = {};
   } else {
     estimate.recent |= 1U;
     ++estimate.rejected;

@@ -18,7 +18,7 @@
 /// Opaque to tools; raise the revision when anything in it changes.
 template <>
 struct mauve::Described<localization::Memory> {
-  static constexpr std::string_view name = "localization/1";
+  static constexpr std::string_view name = "localization/2";
   static constexpr auto fields() { return std::tuple{}; }
 };
 
@@ -73,7 +73,8 @@ class EkfCore final : public mauve::Core<mauve::EmptyShell> {
   Observable<std::uint64_t> accepted{*this, "accepted", 0, "poses"};
   Observable<std::uint64_t> rejected{*this, "rejected", 0, "poses outside the gate"};
   Observable<int> rejected_recently{*this, "rejected_recently", 0, "of the last 16 poses"};
-  Observable<std::uint64_t> reacquired{*this, "reacquired", 0, "times the filter gave in to them"};
+  Observable<std::uint64_t> reacquired{*this, "reacquired", 0,
+                                       "times the filter gave in to what is outside the gate"};
   Observable<std::uint64_t> outliers{*this, "outliers", 0, "of wheels, gyroscope and compass"};
   Observable<std::uint64_t> late{*this, "late", 0, "measurements put in between"};
   Observable<std::uint64_t> too_late{*this, "too_late", 0, "measurements dropped for their age"};

@@ -5,16 +5,20 @@
 /// localization.update_pose
 ///
 /// The local frame is UTM, moved to an origin: x is grid east, y grid north, which is not true
-/// north (0.9 degrees off at Toulouse). Zone and hemisphere are those of the origin for good.
+/// north (0.9 degrees off at Toulouse). Zone and hemisphere are those of the origin for good. One
+/// fix makes no origin, since it may be wrong: the first of three in a row that agree does, and
+/// nothing is written before.
 #pragma once
 
 #include <mauve/plugin.h>
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 #include "../types/gnss.h"
 #include "../types/motion.h"
+#include "origin_search.h"
 #include "utm.h"
 
 namespace localization {
@@ -52,27 +56,36 @@ class GnssToUtmCore final : public mauve::Core<GnssToUtmShell> {
       return;
     }
     const Geographic position{fix.latitude, fix.longitude};
-    if (!fixed_.known && !origin_->known) *origin_ = origin_at(position);
+    if (!fixed_.known && !origin_->known) {
+      const OriginSearch::Found found = search_.look(position, now());
+      if (found == OriginSearch::Found::nothing) return report(Silence::no_origin);
+      if (found == OriginSearch::Found::origin) *origin_ = origin_at(search_.first());
+    }
     const Origin& origin = fixed_.known ? fixed_ : *origin_;
     const std::optional<rover::Point2D> point = utm_.forward(position, {origin.zone, origin.south});
+    zone = origin.known ? origin.zone : 0;
     if (!origin.known || !point) {
       ++refused;
-      return;
+      return report(origin.known ? Silence::far : Silence::no_position);
     }
-    zone = origin.zone;
-    const double time = mauve::to_seconds(mauve::job_time()) - latency;
     const bool says = fix.hdop > 0.0 && fix.hdop <= kWorstHdop;
-    shell().pose.write({time, point->x - origin.easting, point->y - origin.northing,
+    shell().pose.write({now() - latency, point->x - origin.easting, point->y - origin.northing,
                         says ? fix.hdop * range_error : 0.0});
     ++positions;
+    report(Silence::none);
   }
 
  private:
   static constexpr double kWorstHdop = 99.0;  // beyond it the receiver does not know
+  static constexpr double kPatience = 10.0;   // s of positions without one written on
+
+  enum class Silence : std::uint8_t { none, no_origin, no_position, far };
+
+  [[nodiscard]] static double now() { return mauve::to_seconds(mauve::job_time()); }
 
   mauve::State<Origin> origin_{*this};
   mauve::Property<bool> origin_at_first_fix{*this, "origin_at_first_fix", true,
-                                            "else at the two below"};
+                                            "the first of three that agree; else at the two below"};
   mauve::Property<double> origin_latitude{*this,
                                           "origin_latitude",
                                           0.0,
@@ -107,7 +120,36 @@ class GnssToUtmCore final : public mauve::Core<GnssToUtmShell> {
     fixed_ = {};
     if (!origin_at_first_fix) fixed_ = origin_at({origin_latitude, origin_longitude});
     *origin_ = {};
+    search_ = {};
+    silent_since_.reset();
+    reported_ = false;
     return mauve::ok();
+  }
+
+  /// Says once that positions come and none is written on, and why the last was not.
+  void report(Silence silence) {
+    if (silence == Silence::none) {
+      if (reported_) mauve::log(mauve::LogLevel::info, "positions are written on again");
+      silent_since_.reset();
+      reported_ = false;
+      return;
+    }
+    if (!silent_since_) silent_since_ = now();
+    if (reported_ || now() - *silent_since_ < kPatience) return;
+    reported_ = true;
+    if (silence == Silence::no_origin) {
+      mauve::log(mauve::LogLevel::warning,
+                 "no position is written on, for 10 s: no 3 fixes in a row agree on an origin");
+    } else if (silence == Silence::no_position) {
+      mauve::log(mauve::LogLevel::warning,
+                 "no position is written on, for 10 s: the fixes lie outside of UTM (80 degrees "
+                 "south to 84 north)");
+    } else {
+      mauve::log(mauve::LogLevel::warning,
+                 "no position is written on, for 10 s: the fixes are far from zone {} of the "
+                 "origin, which a stop and a start of this resource find anew",
+                 zone.get());
+    }
   }
 
   [[nodiscard]] Origin origin_at(const Geographic& position) const {
@@ -120,6 +162,9 @@ class GnssToUtmCore final : public mauve::Core<GnssToUtmShell> {
 
   Utm utm_;
   Origin fixed_;  // by property: a change of it counts at once
+  OriginSearch search_;
+  std::optional<double> silent_since_;  // s, of the first position not written on since the last
+  bool reported_ = false;
 };
 
 struct GnssToUtmInterface : mauve::Interface<GnssToUtmCore> {

@@ -110,7 +110,7 @@ class Localization : public testing::Test {
 
 TEST_F(Localization, FollowsARobotFromWheelsAndSatellites) {
   run_for(0.06);
-  EXPECT_FALSE(has_value(core().status)) << "no place before the first fix";
+  EXPECT_FALSE(has_value(core().status)) << "no place before the third fix";
   run_for(0.5);
   EXPECT_TRUE(has_value(core().status));
   EXPECT_FALSE(has_value(core().pose_status)) << "no heading before the first metres";
@@ -219,7 +219,7 @@ TEST(GnssToUtm, RefusesPositionsThatAreNone) {
   give(kNaN, 1.0);
   give(89.0, 1.0);
   EXPECT_EQ(robot.converted("zone"), 0) << "the origin waits for a position";
-  give(43.5, 1.5);
+  for (int i = 0; i < OriginSearch::kAgree; ++i) give(43.5, 1.5);
   give(43.5, 120.0);
   give(43.5, 1e300);
 
@@ -227,6 +227,55 @@ TEST(GnssToUtm, RefusesPositionsThatAreNone) {
   EXPECT_EQ(robot.converted("positions"), 1);
   EXPECT_EQ(robot.localized("accepted"), 1);
   EXPECT_TRUE(robot.cleanup());
+}
+
+/// The fixes of a receiver that first says `wrong` a few times, then the right place.
+struct FirstFixes {
+  Robot robot;
+
+  FirstFixes() { EXPECT_TRUE(robot.configure()); }
+  ~FirstFixes() { EXPECT_TRUE(robot.cleanup()); }
+  FirstFixes(const FirstFixes&) = delete;
+  FirstFixes& operator=(const FirstFixes&) = delete;
+
+  void give(const Geographic& place, int times = 1) {
+    const GnssFix fix{1.0, place.latitude, place.longitude, 0.0, 1.0, 3, 9};
+    for (int i = 0; i < times; ++i) robot.gnss_to_utm.interface().fix.write(&fix);
+  }
+  MotionState state() {
+    MotionState state;
+    mauve::Cursor cursor;
+    EXPECT_TRUE(has_value(robot.localization.interface().predict.read(&state, cursor)));
+    return state;
+  }
+};
+
+TEST(GnssToUtm, TakesNoOriginFromWrongFirstFixes) {
+  const Geographic sydney{-33.85, 151.2};
+  for (const Geographic& place : {kOrigin, sydney}) {
+    for (const Geographic& wrong : {Geographic{0.0, 0.0}, Geographic{43.5, 120.0},
+                                    Geographic{place.latitude + 0.01, place.longitude}}) {
+      for (const int times : {1, 2}) {
+        FirstFixes receiver;
+        receiver.give(wrong, times);
+        receiver.give(place, 30);
+
+        EXPECT_EQ(receiver.robot.converted("positions"), 28);
+        EXPECT_EQ(receiver.robot.converted("refused"), 0);
+        EXPECT_NEAR(receiver.state().x, 0.0, 0.01);
+        EXPECT_NEAR(receiver.state().y, 0.0, 0.01);
+      }
+    }
+  }
+}
+
+TEST(GnssToUtm, TakesNoOriginFromFixesThatAllDisagree) {
+  FirstFixes receiver;
+
+  for (int i = 0; i < 20; ++i) receiver.give({43.0 + 0.1 * i, 1.0});
+
+  EXPECT_EQ(receiver.robot.converted("positions"), 0);
+  EXPECT_EQ(receiver.robot.converted("zone"), 0);
 }
 
 TEST(GnssToUtm, TakesItsOriginFromTheProperties) {
