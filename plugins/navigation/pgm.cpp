@@ -94,6 +94,14 @@ mauve::Result<MapImage> parse_pgm(std::string_view bytes, const std::string& nam
     }
     image.levels.push_back(static_cast<std::uint8_t>(*level * 255 / *top));
   }
+  // A picture out of place shows in no other way: of a header that ends its lines with CR LF.
+  if (!plain && raw.size() > count) {
+    return refuse(
+        Errc::invalid_value, {},
+        name + ": has " + std::to_string(raw.size()) + " bytes of levels for " + cells_of(count),
+        "one blank ends the header (no CR LF), and nothing follows the last level: write "
+        "the image anew");
+  }
   return image;
 }
 

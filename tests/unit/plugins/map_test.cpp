@@ -192,6 +192,8 @@ TEST(Pgm, IsRefusedWithItsReason) {
   expect("P5 1 1 65535\nab", "largest level is 65535");
   expect("P5 1 1 0\na", "largest level is 0");
   expect("P5 2 2 255\nabc", "cell 3 of 4");
+  expect("P5 2 2 255\nabcde", "5 bytes of levels for 4 cells");
+  expect("P5\r\n2 2\r\n255\r\nabcd", "5 bytes of levels for 4 cells");
   expect("P2 2 2 255\n1 2 3 4000", "cell 3 of 4");
   expect("P2 2 2 9\n1 2 3 10", "cell 3 of 4");
 }
