@@ -119,7 +119,7 @@ TEST(SimulatedDevices, SpeakToTheRealDriversListedBeforeThem) {
     Simulated line(world(protocol));
     ASSERT_TRUE(line.up());
 
-    EXPECT_TRUE(line.reaches("fixes", 40, "gnss"));
+    EXPECT_TRUE(line.reaches("fixes", 4, "gnss"));
     EXPECT_TRUE(line.reaches("measurements", 450));
     EXPECT_EQ(line.observe("bad_frames", "gnss"), 0);
     EXPECT_EQ(line.observe("satellites", "gnss"), 9);

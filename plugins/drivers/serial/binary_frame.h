@@ -66,6 +66,8 @@ class BinaryFrames {
   /// Until the next call of next().
   [[nodiscard]] std::uint8_t byte() const { return bytes_[begin_]; }
   [[nodiscard]] Bytes frame() const { return {bytes_.data() + begin_, used_}; }
+  /// All bytes from the beginning of the frame on, also of a damaged one.
+  [[nodiscard]] Bytes begun() const { return {bytes_.data() + begin_, end_ - begin_}; }
 
   /// A frame has begun and is not complete yet.
   [[nodiscard]] bool in_frame() const { return end_ - begin_ > used_; }

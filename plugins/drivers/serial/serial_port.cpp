@@ -165,6 +165,7 @@ std::string line_path(const std::string& name) {
 
 void SerialPort::choose(const std::string& device, int baud, Use use) {
   close();
+  alone_ = false;
   path_ = line_path(device);
   lasts_ = path_ == device;
   baud_ = baud;
@@ -178,6 +179,7 @@ Status SerialPort::open(const std::string& device, int baud, Missing missing, Us
   const int why = opened.open() ? 0 : errno;
   if (missing == Missing::accepted && absent(why)) {
     choose(device, baud, use);
+    alone_ = true;
     return mauve::ok();
   }
   if (!opened.open()) {
@@ -193,6 +195,11 @@ Status SerialPort::open(const std::string& device, int baud, Missing missing, Us
   }
   if (Status raw = make_raw(opened.number(), 0); !raw) return raw;
   choose(device, baud, use);
+  alone_ = true;
+  if (terminal && !lock_.take(opened.number(), path_.c_str())) {
+    return refuse(Errc::conflict, {}, "'" + path_ + "' belongs to " + holder_of(path_),
+                  "one device has one driver: end that process, or name another device");
+  }
   device_ = std::move(opened);
   terminal_ = terminal;
   return be_guarded();
@@ -213,6 +220,7 @@ Status SerialPort::be_guarded() {
 void SerialPort::close() {
   if (guarded_ != nullptr) guarded_->drop();
   device_ = Descriptor();
+  lock_.release();
 }
 
 bool SerialPort::reopen() {
@@ -220,6 +228,10 @@ bool SerialPort::reopen() {
   if (!opened.open() || !set_raw(opened.number(), baud_)) return false;
   const bool terminal = ::isatty(opened.number()) == 1;
   if (use_ == Use::both && !terminal) return false;
+  if (alone_ && terminal && !lock_.take(opened.number(), path_.c_str())) {
+    errno = EBUSY;
+    return false;
+  }
   terminal_ = terminal;
   device_ = std::move(opened);
   static_cast<void>(be_guarded());  // a command without a guardian is better than none

@@ -11,6 +11,8 @@
 #include <mauve/guarded.h>
 #include <mauve/result.h>
 
+#include "device_lock.h"
+
 namespace drivers {
 
 /// Owns a file descriptor.
@@ -63,15 +65,16 @@ class SerialPort final : public LineEnd {
   /// A device that is no terminal is never written to: a request would damage a recording.
   enum class Use : bool { reading, both };
 
-  /// Opens `device` (see line_path) raw and non-blocking, at the speed it has until tune(); `baud`
-  /// 0 leaves it alone for good. One that is not there yet can be accepted: it stays closed, for
-  /// reopen() to try. [factory]
+  /// Takes `device` from now on for this process alone (device_lock.h); refused while another one
+  /// has it. Opens it (see line_path) raw and non-blocking, at the speed it has until tune();
+  /// `baud` 0 leaves it alone for good. One that is not there yet can be accepted: it stays closed,
+  /// for reopen() to try. [factory]
   mauve::Status open(const std::string& device, int baud, Missing missing = Missing::refused,
                      Use use = Use::reading);
   /// While the device is open, the guardian of the process holds this order for it, unless it is a
   /// "pty:NAME", which ends with the process. Before open(); `guarded` outlives the port. [factory]
   void guard(mauve::Guarded& guarded, const mauve::SafeOrder& order);
-  /// For reopen() to open it. [factory]
+  /// For reopen() to open it, also while another process has it: for emergencies. [factory]
   void choose(const std::string& device, int baud, Use use);
   void close() override;
   bool reopen() override;
@@ -86,6 +89,8 @@ class SerialPort final : public LineEnd {
   mauve::Status be_guarded();
 
   Descriptor device_;
+  DeviceLock lock_;
+  bool alone_ = false;  // the lock is taken at each opening
   std::string path_;
   mauve::Guarded* guarded_ = nullptr;
   mauve::SafeOrder order_;

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -51,6 +52,117 @@ TEST(SerialPort, NeverWaitsForBytes) {
   std::array<char, 16> bytes{};
 
   EXPECT_EQ(port.read(bytes), 0);
+}
+
+/// Another process that has the device, until the test ends.
+class OtherOwner {
+ public:
+  explicit OtherOwner(const std::string& device) {
+    EXPECT_EQ(::pipe(ends_.data()), 0);
+    child_ = ::fork();
+    if (child_ != 0) {
+      ::close(ends_[1]);
+      char said = 0;
+      took_ = ::read(ends_[0], &said, 1) == 1 && said == 'y';
+      return;
+    }
+    // An inherited lock would be its own.
+    for (int number = 3; number < 256; ++number) {
+      if (number != ends_[1]) ::close(number);
+    }
+    SerialPort port;
+    const char said =
+        port.open(device, 0, SerialPort::Missing::refused, SerialPort::Use::both) ? 'y' : 'n';
+    if (::write(ends_[1], &said, 1) == 1) ::pause();
+    ::_exit(0);
+  }
+  ~OtherOwner() {
+    ::kill(child_, SIGKILL);
+    ::waitpid(child_, nullptr, 0);
+    ::close(ends_[0]);
+  }
+  OtherOwner(const OtherOwner&) = delete;
+  OtherOwner& operator=(const OtherOwner&) = delete;
+
+  [[nodiscard]] bool took() const { return took_; }
+  [[nodiscard]] pid_t process() const { return child_; }
+
+ private:
+  std::array<int, 2> ends_{-1, -1};
+  pid_t child_ = -1;
+  bool took_ = false;
+};
+
+TEST(SerialPort, RefusesADeviceOfAnotherProcessAndNamesIt) {
+  PseudoTerminal line;
+  ASSERT_TRUE(line.open(""));
+  SerialPort port;
+  {
+    const OtherOwner other(line.device());
+    ASSERT_TRUE(other.took());
+    for (const auto use : {SerialPort::Use::both, SerialPort::Use::reading}) {
+      const auto refused = port.open(line.device(), 0, SerialPort::Missing::accepted, use);
+      ASSERT_FALSE(refused);
+      EXPECT_NE(refused.error().message.find("process " + std::to_string(other.process())),
+                std::string::npos)
+          << refused.error().message;
+    }
+    EXPECT_FALSE(port.is_open());
+    EXPECT_FALSE(port.reopen()) << "nor later, as long as it is there";
+  }
+
+  EXPECT_TRUE(port.open(line.device(), 0)) << "it ended";
+}
+
+TEST(SerialPort, KeepsItsDeviceFromOtherProcesses) {
+  PseudoTerminal line;
+  ASSERT_TRUE(line.open(""));
+  SerialPort port;
+  ASSERT_TRUE(port.open(line.device(), 0));
+  EXPECT_FALSE(OtherOwner(line.device()).took());
+
+  port.close();
+  EXPECT_TRUE(OtherOwner(line.device()).took());
+  EXPECT_TRUE(port.reopen());
+  EXPECT_FALSE(OtherOwner(line.device()).took()) << "after an unplugged device came back";
+}
+
+TEST(SerialPort, LetsACoreTakeTheDeviceOverFromTheOneThatItReplaces) {
+  PseudoTerminal line;
+  ASSERT_TRUE(line.open(""));
+  SerialPort old;
+  ASSERT_TRUE(old.open(line.device(), 0));
+
+  SerialPort next;
+  ASSERT_TRUE(next.open(line.device(), 0));
+  old.close();
+
+  EXPECT_FALSE(OtherOwner(line.device()).took()) << "the new core still has it";
+  next.close();
+  EXPECT_TRUE(OtherOwner(line.device()).took());
+}
+
+/// The last way to stop a base does not ask who drives it.
+TEST(SerialPort, OpensADeviceForAnEmergencyWhoeverHasIt) {
+  PseudoTerminal line;
+  ASSERT_TRUE(line.open(""));
+  const OtherOwner other(line.device());
+  ASSERT_TRUE(other.took());
+
+  SerialPort brake;
+  brake.choose(line.device(), 0, SerialPort::Use::both);
+  EXPECT_TRUE(brake.reopen());
+}
+
+TEST(SerialPort, LocksNoFile) {
+  const std::string path = link_name("file");
+  std::ofstream(path) << "recorded";
+  SerialPort one;
+  SerialPort other;
+
+  EXPECT_TRUE(one.open(path, 0));
+  EXPECT_TRUE(other.open(path, 0));
+  fs::remove(path);
 }
 
 TEST(SerialPort, NoticesThatItsDeviceIsGoneAndOpensItAgain) {
@@ -190,7 +302,7 @@ TEST(PseudoTerminal, ReplacesALinkThatLeadsNowhere) {
 }
 
 TEST(PseudoTerminal, ReplacesNoLinkOfAnotherUser) {
-  if (geteuid() != 0) GTEST_SKIP() << "SKIPPED: only root can give a link to another user";
+  if (geteuid() != 0) GTEST_SKIP() << "NOT TESTED: only root can give a link to another user";
   const std::string link = link_name("foreign");
   fs::remove(link);
   fs::create_symlink("/dev/pts/was_here", link);
