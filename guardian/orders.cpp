@@ -65,7 +65,7 @@ std::uint32_t Orders::count() const {
       held_.begin(), held_.end(), [](const Held& held) { return held.descriptor >= 0; }));
 }
 
-Sent Orders::send() {
+Sent Orders::send(const std::function<void()>& meanwhile) {
   const std::int64_t until = now() + kMostTime;
   for (Held& held : held_) {
     if (held.descriptor >= 0) begin(held, now());
@@ -75,7 +75,9 @@ Sent Orders::send() {
     for (Held& held : held_) {
       if (held.descriptor >= 0 && !advance(held, now())) all = false;
     }
-    if (!all) sleep_for(kBetweenTries);
+    if (all) break;
+    meanwhile();
+    sleep_for(kBetweenTries);
   }
   Sent sent;
   for (const Held& held : held_) {

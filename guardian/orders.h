@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 
 #include "rt/guardian/guardian_wire.h"
 
@@ -32,8 +33,9 @@ class Orders {
   void drop_all();
   [[nodiscard]] std::uint32_t count() const;
   /// Sends each order as often and as far apart as it requires, without waiting for any device. An
-  /// order that has not gone out after kMostTimeMs is dropped, and named on standard error.
-  Sent send();
+  /// order that has not gone out after kMostTimeMs is dropped, and named on standard error. Calls
+  /// `meanwhile` while it waits for the time of an order.
+  Sent send(const std::function<void()>& meanwhile);
 
  private:
   struct Held {

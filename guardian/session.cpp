@@ -60,6 +60,17 @@ ssize_t receive(int socket, wire::Request& request, int& descriptor) {
   return got;
 }
 
+/// Looks at the next message without taking it.
+bool is_question(int socket, wire::Request& request) {
+  iovec part{&request, sizeof request};
+  msghdr message{};
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  const ssize_t got = recvmsg(socket, &message, MSG_DONTWAIT | MSG_PEEK);
+  return got == sizeof request && request.version == wire::kVersion &&
+         request.kind == wire::Kind::ask;
+}
+
 /// Null when it is none that can be read for ever without a fault.
 const wire::Page* map_page(int file) {
   const int seals = fcntl(file, F_GET_SEALS);
@@ -93,17 +104,32 @@ void Session::run() {
     return;
   }
   const std::int64_t noticed = now();
-  const Sent sent = orders_.send();
+  const Sent sent = send_orders();
   say("mauved (process %d) %s: %u of %u outputs were put into their safe state within %lld ms.",
       peer_.process(), cause_, sent.whole, sent.total,
       static_cast<long long>((now() - noticed) / kMillisecond));
   send_after_it_is_gone();
 }
 
+Sent Session::send_orders() {
+  return orders_.send([this] { answer_questions(); });
+}
+
+/// Devices may take their time: mauved hears meanwhile that its guardian is at work.
+void Session::answer_questions() const {
+  for (;;) {
+    wire::Request request;
+    if (!is_question(socket_, request)) return;
+    int descriptor = -1;
+    if (receive(socket_, request, descriptor) != sizeof request) return;
+    answer(request, nullptr);
+  }
+}
+
 /// The futex speaks for one thread: another one may still be in a write to a device.
 void Session::send_after_it_is_gone() {
   pollfd ended{peer_.handle(), POLLIN, 0};
-  if (poll(&ended, 1, kToBeGoneMs) == 1) orders_.send();
+  if (poll(&ended, 1, kToBeGoneMs) == 1) send_orders();
 }
 
 /// For a death, at once; for messages and beats until the next look.
@@ -173,9 +199,11 @@ Session::Over Session::serve_one(const wire::Request& request, int descriptor) {
   } else if (request.kind == wire::Kind::drop) {
     orders_.drop(request.slot);
   } else if (request.kind == wire::Kind::again) {
-    orders_.send();
+    send_orders();
   } else if (request.kind == wire::Kind::bye) {
     orders_.drop_all();
+  } else if (request.kind == wire::Kind::ask) {
+    // the answer is all that it wants
   } else {
     refused = "no such message";
   }
@@ -220,7 +248,7 @@ void Session::watch_beats() {
   silent_ += passed;
   if (limit_ == 0 || silent_ < limit_ || reported_silent_) return;
   reported_silent_ = true;
-  const Sent sent = orders_.send();
+  const Sent sent = send_orders();
   say("mauved (process %d) was silent for %lld ms: %u of %u outputs were put into their safe "
       "state.",
       peer_.process(), static_cast<long long>(silent_ / kMillisecond), sent.whole, sent.total);

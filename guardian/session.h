@@ -32,6 +32,8 @@ class Session {
   [[nodiscard]] const char* greet(const wire::Request& request, int page);
   void answer(const wire::Request& request, const char* refused) const;
   void watch_beats();
+  Sent send_orders();
+  void answer_questions() const;
   void send_after_it_is_gone();
   void report_silence(const Sent& sent) const;
 

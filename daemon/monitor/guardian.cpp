@@ -10,6 +10,7 @@
 #include "commands/change/change.h"
 #include "commands/model.h"
 #include "commands/say.h"
+#include "commands/stops.h"
 #include "mauve/host/architecture.h"
 
 namespace mauve::daemon {
@@ -44,6 +45,9 @@ std::string found_text(const rt::GuardianNews& news) {
     text += "; for " + format_duration(std::chrono::round<std::chrono::milliseconds>(news.lasted)) +
             " there was none";
   }
+  if (!news.state.why.empty()) {
+    text += "; " + news.state.why;
+  }
   return text;
 }
 
@@ -51,6 +55,7 @@ std::string found_text(const rt::GuardianNews& news) {
 
 Status Guardian::start(const Options& options) {
   rt::GuardianPlan plan;
+  use_ = options.guardian;
   plan.use = options.guardian;
   plan.socket = options.socket + ".guardian";
   plan.command = {program(), "--connected"};
@@ -66,12 +71,18 @@ void Guardian::report(const rt::GuardianNews& news) {
     case What::absent:
       return log_.write(Event::guardian_absent, {{"outputs", outputs}, {"text", news.state.why}});
     case What::lost:
-      return log_.write(Event::guardian_lost, {{"outputs", outputs}, {"text", news.state.why}});
+      log_.write(Event::guardian_lost, {{"outputs", outputs}, {"text", news.state.why}});
+      if (use_ == rt::GuardianUse::require) {
+        log_.write(Event::outputs_unguarded, {{"outputs", outputs}});
+        cause_ = "the required guardian was lost";
+        stop_all();
+      }
+      return;
     case What::silence:
       log_.write(Event::outputs_made_safe, {{"lasted", format_duration(news.lasted)},
                                             {"done", static_cast<std::int64_t>(news.done)},
                                             {"total", static_cast<std::int64_t>(news.total)}});
-      silent_ = true;
+      cause_ = "the guardian took the outputs in a standstill";
       return stop_all();
   }
 }
@@ -81,15 +92,20 @@ void Guardian::serve(Running& running) {
   stop_all();  // it may have been silent before there was anything to stop
 }
 
-/// Until then components may have gone on, with live outputs: so the orders are sent once more.
+/// Until the stop is in force components go on, with live outputs: so the orders are sent once
+/// more.
 void Guardian::stop_all() {
   Running* const running = running_;
-  if (running == nullptr || !silent_.exchange(false)) {
+  if (running == nullptr) {
     return;
   }
-  running->control.urgent([running] {
+  const char* const cause = cause_.exchange(nullptr);
+  if (cause == nullptr) {
+    return;
+  }
+  running->control.urgent([running, cause] {
     note_place_failures(*running);
-    const auto call = call_by_itself(*running, "the guardian took the outputs in a standstill");
+    const auto call = call_by_itself(*running, cause);
     std::vector<arch::Line> lines;
     for (const auto* component : running->architecture.components()) {
       const auto& name = component->name();
@@ -98,16 +114,17 @@ void Guardian::stop_all() {
         lines.push_back(arch::make_line("start", name + ".start", true, false));
       }
     }
-    when_answered(*running, running->deployer.begin_stop_all(),
-                  [running, call, lines](Ongoing& done) {
-                    rt::GuardedOutputs::of_process().send_again();
-                    const auto receipt = done.result();
-                    auto result = receipt ? Result<Json>(to_json(*receipt)) : receipt.error();
-                    if (result) {
-                      say_lines(lines, *result);
-                    }
-                    answer(*running, *call, std::move(result), "safe");
-                  });
+    auto stopping = running->deployer.begin_stop_all(2s, stop_by(*call));
+    static_cast<void>(save_stops(*running));
+    when_answered(*running, std::move(stopping), [running, call, lines](Ongoing& done) {
+      rt::GuardedOutputs::of_process().send_again();
+      const auto receipt = done.result();
+      auto result = receipt ? Result<Json>(to_json(*receipt)) : receipt.error();
+      if (result) {
+        say_lines(lines, *result);
+      }
+      answer(*running, *call, std::move(result), "safe");
+    });
   });
 }
 

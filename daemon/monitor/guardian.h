@@ -16,7 +16,8 @@ class Guardian {
   /// Before elements are made: their configure hooks name the outputs that are to be guarded.
   /// [main]
   Status start(const Options& options);
-  /// From now on a silence that the guardian took for an end stops all components. [main]
+  /// From now on all components are stopped after a silence that the guardian took for an end, and
+  /// when a guardian that is required is lost. [main]
   void serve(Running& running);
   /// In order: all components stand with their safe values, so that the guardian lets go. [main]
   void stop(bool in_order) { link_.stop(in_order); }
@@ -29,7 +30,8 @@ class Guardian {
 
   logging::Log& log_;
   std::atomic<Running*> running_{nullptr};
-  std::atomic<bool> silent_{false};  // counted as dead, and the components are not stopped yet
+  rt::GuardianUse use_ = rt::GuardianUse::prefer;
+  std::atomic<const char*> cause_{nullptr};  // of a stop that is still to be made
   rt::GuardianLink link_;
 };
 

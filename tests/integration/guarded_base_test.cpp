@@ -4,11 +4,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <filesystem>
+
+#include <mauve/host/clock.h>
 
 #include "rt/thread/run_guarded.h"
 #include "rt/thread/thread.h"
 #include "support/daemon_process.h"
+#include "support/foreign_listener.h"
 #include "support/guarded.h"
 
 namespace mauve::test {
@@ -125,6 +129,112 @@ TEST_F(GuardedBase, IsGuardedAgainWhenItsGuardianWasLost) {
   EXPECT_TRUE(stands());
 }
 
+/// Nobody else tells the base: the driver has no job any more.
+TEST_F(GuardedBase, StandsWhenItsDriverIsStoppedOrRemoved) {
+  for (const std::string guardian : {"prefer", "off"}) {
+    start({"--realtime", "off", "--guardian", guardian});
+    ASSERT_TRUE(drives()) << daemon_->errors();
+
+    ASSERT_EQ(daemon_->client({"stop", "base"}).wait(), 0);
+    EXPECT_TRUE(stands()) << guardian;
+
+    ASSERT_EQ(daemon_->client({"start", "base"}).wait(), 0);
+    static_cast<void>(base_.bytes());
+    ASSERT_TRUE(drives()) << "after it was started again";
+    Json without = guarded_architecture(base_.path());
+    without["components"].erase("base");
+    const auto file = place_.write("without.json", without.dump());
+    ASSERT_EQ(daemon_->client({"apply", file.string()}).wait(), 0) << daemon_->errors();
+    EXPECT_TRUE(stands()) << guardian;
+    daemon_.reset();
+  }
+}
+
+/// A thread of another program above the driver, for longer than any job of the driver may take.
+TEST_F(GuardedBase, StandsWhileAnotherThreadTakesItsProcessor) {
+  if (!rt::may_use_fifo(95)) GTEST_SKIP() << "NOT TESTED: silence is watched in real time only";
+  const int cpu = rt::usable_cpus().back();
+  Json system = guarded_architecture(base_.path());
+  system["components"]["base"]["task"]["cpus"] = {cpu};
+  const auto file = place_.write("guarded.json", system.dump());
+  daemon_.emplace(file, std::vector<std::string>{"--realtime", "require"});
+  ASSERT_TRUE(daemon_->up()) << daemon_->errors();
+  ASSERT_TRUE(drives());
+
+  std::atomic<bool> ends{false};
+  rt::Thread other;
+  ASSERT_TRUE(other.start({"other", 80, {cpu}, 64 * 1024}, [&] {
+    const Instant begin = MonotonicClock().now();
+    while (!ends && Duration{MonotonicClock().now() - begin} < 800ms) {
+    }
+  }));
+
+  EXPECT_TRUE(stands()) << "the driver cannot, so it is the guardian";
+  ends = true;
+  other.join();
+  EXPECT_TRUE(daemon_->says("was silent for")) << daemon_->errors();
+}
+
+/// It is in the log and in the status, and another process holds the outputs.
+TEST_F(GuardedBase, IsGuardedAgainWhenItsGuardianStandsStill) {
+  start();
+  const Json before = guardian();
+  ASSERT_EQ(before["present"], true) << daemon_->errors();
+
+  kill(before["process"], SIGSTOP);
+  EXPECT_TRUE(daemon_->says("it stands still"));
+  EXPECT_TRUE(eventually(
+      [&] { return guardian()["present"] == true && guardian()["process"] != before["process"]; }));
+  EXPECT_TRUE(daemon_->says("there was none"));
+  ASSERT_TRUE(drives()) << "all goes on meanwhile";
+
+  daemon_->process().signal(SIGKILL);
+  EXPECT_TRUE(stands());
+}
+
+TEST_F(GuardedBase, StandsWithoutAGuardianThatIsRequiredUntilSomebodyStartsIt) {
+  for (const int signal : {SIGSTOP, SIGKILL}) {
+    start({"--realtime", "off", "--guardian", "require"});
+    ASSERT_TRUE(drives()) << daemon_->errors();
+
+    kill(guardian()["process"], signal);
+
+    EXPECT_TRUE(daemon_->says("all components are ordered to stop")) << daemon_->errors();
+    EXPECT_TRUE(eventually([&] {
+      const Json status = daemon_->ask({"status"});
+      return status["components"][0]["state"] == "stopped" &&
+             status["components"][1]["state"] == "stopped";
+    }));
+    EXPECT_TRUE(eventually([&] { return guardian()["present"] == true; }));
+    EXPECT_TRUE(stands());
+    EXPECT_EQ(daemon_->client({"start", "cruise", "base"}).wait(), 0);
+    static_cast<void>(base_.bytes());
+    EXPECT_TRUE(drives());
+    daemon_.reset();
+  }
+}
+
+TEST_F(GuardedBase, IsGivenToNoOtherUserWhoListensForIt) {
+  std::filesystem::permissions(place_.path(),
+                               std::filesystem::perms::all | std::filesystem::perms::sticky_bit);
+  const auto socket = (place_ / "mauved.sock").string();
+  const ForeignListener impostor(socket + ".guardian", SOCK_SEQPACKET);
+  if (!impostor.listens()) GTEST_SKIP() << "NOT TESTED: only root makes a socket of another user";
+  const auto log = (place_ / "log").string();
+  const auto file = place_.write("guarded.json", guarded_architecture(base_.path()).dump());
+  Process mauved({MAUVE_BIN_DIR "/mauved", file.string(), "--socket", socket, "--plugin-dir",
+                  MAUVE_PLUGIN_DIR, "--realtime", "off"},
+                 log);
+  ASSERT_TRUE(drives()) << TempDir::read(log);
+  EXPECT_THAT(TempDir::read(log), HasSubstr("a guardian of its own"));
+  EXPECT_THAT(TempDir::read(log),
+              HasSubstr("a process of user " + std::to_string(ForeignListener::kUser)));
+
+  mauved.signal(SIGKILL);
+
+  EXPECT_TRUE(stands());
+}
+
 TEST_F(GuardedBase, PrefersAGuardianThatIsAServiceOfItsOwn) {
   const auto log = (place_ / "guardian.log").string();
   const auto socket = (place_ / "mauved.sock").string();
@@ -143,6 +253,67 @@ TEST_F(GuardedBase, PrefersAGuardianThatIsAServiceOfItsOwn) {
     EXPECT_TRUE(stands()) << "run " << run;
   }
   EXPECT_TRUE(service.running());
+}
+
+TEST_F(GuardedBase, GoesBackToTheServiceWhenItComesBack) {
+  start();
+  const auto log = (place_ / "guardian.log").string();
+  const std::vector<std::string> service{MAUVE_BIN_DIR "/mauve-guardian", "--socket",
+                                         daemon_->socket() + ".guardian"};
+  for (int run = 0; run < 2; ++run) {
+    Process one(service, log);
+    EXPECT_TRUE(eventually([&] { return guardian().value("process", 0) == one.id(); }))
+        << daemon_->errors();
+    one.signal(SIGKILL);
+    EXPECT_TRUE(eventually([&] {
+      const Json now = guardian();
+      return now.value("present", false) && !now.value("service", true);
+    })) << "one of its own serves meanwhile";
+  }
+  ASSERT_TRUE(drives());
+  daemon_->process().signal(SIGKILL);
+  EXPECT_TRUE(stands());
+}
+
+/// Both are checked before they move anything; the brake may share the device.
+TEST_F(GuardedBase, HasANoteWhenASecondDriverNamesItsDevice) {
+  const auto checked = [&](const Json& system) {
+    const auto file = place_.write("checked.json", system.dump());
+    return Process({MAUVE_BIN_DIR "/mauved", file.string(), "--check", "--plugin-dir",
+                    MAUVE_PLUGIN_DIR},
+                   (place_ / "log").string())
+        .all_output();
+  };
+  Json system = guarded_architecture(base_.path());
+  system["resources"]["brake"] = {{"type", "drivers/create_brake"},
+                                  {"properties", {{"core.device", base_.path()}}}};
+  EXPECT_THAT(checked(system), testing::Not(HasSubstr("same device")));
+
+  system["components"]["second"] = system["components"]["base"];
+  system["components"]["second"]["properties"]["core.device"] = "/dev/null";
+  system["components"]["second"].erase("ports");
+  EXPECT_THAT(checked(system), testing::Not(HasSubstr("same device")));
+
+  system["components"]["second"]["properties"]["core.device"] = base_.path();
+  EXPECT_THAT(checked(system), HasSubstr("second.core.device names the same device as "
+                                         "base.core.device"));
+}
+
+TEST_F(GuardedBase, HasOneMauvedAtATime) {
+  start();
+  ASSERT_TRUE(drives());
+  const auto file = place_.write("guarded.json", guarded_architecture(base_.path()).dump());
+  const auto log = (place_ / "log").string();
+
+  Process other(
+      {MAUVE_BIN_DIR "/mauved", file.string(), "--socket", (place_ / "other.sock").string(),
+       "--plugin-dir", MAUVE_PLUGIN_DIR, "--realtime", "off"},
+      log);
+
+  EXPECT_EQ(other.wait(), 1);
+  EXPECT_THAT(TempDir::read(log),
+              HasSubstr("belongs to process " + std::to_string(daemon_->process().id())));
+  EXPECT_TRUE(daemon_->process().running());
 }
 
 /// A copy of mauved in a folder where no guardian lies beside it.

@@ -98,6 +98,14 @@ class StandIn {
     EXPECT_TRUE(wire::send(socket_, request, descriptor));
     return next();
   }
+  /// Without waiting for the answer; the number of the request.
+  std::uint32_t tell(wire::Kind kind) {
+    wire::Request request;
+    request.kind = kind;
+    request.number = ++number_;
+    EXPECT_TRUE(wire::send(socket_, request, -1));
+    return request.number;
+  }
   [[nodiscard]] wire::Answer next() const {
     wire::Answer answer;
     EXPECT_EQ(recv(socket_, &answer, sizeof answer, 0), static_cast<ssize_t>(sizeof answer));
@@ -293,6 +301,25 @@ TEST_F(GuardianProgram, SendsItsOrdersOnceMoreWhenAsked) {
   EXPECT_EQ(stand_in_->say(wire::Kind::again).done, 1U);
 
   EXPECT_EQ(outlet_.bytes(), "stand");
+}
+
+TEST_F(GuardianProgram, AnswersWhenItIsAskedWhetherItServes) {
+  hold(order("first", "stand"));
+
+  EXPECT_EQ(stand_in_->say(wire::Kind::ask).done, 1U);
+
+  EXPECT_EQ(outlet_.bytes(), "");
+}
+
+TEST_F(GuardianProgram, AnswersWhileADeviceKeepsItBusy) {
+  outlet_.fill();
+  hold(order("deaf", "stand"));
+
+  const auto orders = stand_in_->tell(wire::Kind::again);
+  const auto question = stand_in_->tell(wire::Kind::ask);
+
+  EXPECT_EQ(stand_in_->next().number, question);
+  EXPECT_EQ(stand_in_->next().number, orders) << "when the device had its time to take the order";
 }
 
 }  // namespace

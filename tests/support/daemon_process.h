@@ -36,6 +36,7 @@ class DaemonProcess {
     return eventually(answers, within) && daemon_.running();
   }
   [[nodiscard]] Process& process() { return daemon_; }
+  [[nodiscard]] const std::string& socket() const { return socket_; }
   /// The text on standard error so far.
   [[nodiscard]] std::string errors() const { return TempDir::read(errors_); }
   /// Waits until the log has this text; the log is written a little later than events happen.

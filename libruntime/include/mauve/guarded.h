@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Guarded: bytes that put an output into its safe state. The guardian process sends them when this
-/// process ends without notice, or falls silent. For devices that go on with the last command they
+/// Guarded: bytes that put an output into its safe state. mauved sends them when the component of
+/// the output is stopped, fails or is removed. The guardian process sends them when mauved ends
+/// without notice, or falls silent. For devices that go on with the last command they
 /// were given. A device that stops by itself when commands cease is better: switch that on where
 /// there is one. Neither is an emergency stop.
 #pragma once
@@ -28,9 +29,9 @@ struct SafeOrder {
   bool drop_unsent = true;
 };
 
-/// An output that the guardian makes safe. Declared as a member of a core or shell. No code of the
-/// plugin runs in the guardian: it has a copy of the descriptor and of the bytes. Without a
-/// guardian (mauved --guardian off, a simulation, another program) nothing happens. [factory], or
+/// An output that is made safe when its component cannot command it. Declared as a member of a core
+/// or shell. No code of the plugin runs for that: mauved and the guardian have copies of the
+/// descriptor and of the bytes. In a simulation or another program nothing happens. [factory], or
 /// an ordinary thread of the plugin; never [rt].
 /// @snippet api_examples.cpp Guarded
 class Guarded {
@@ -46,8 +47,9 @@ class Guarded {
   /// O_NONBLOCK, and may be closed after drop(). Refused when the order cannot be one, and under
   /// `mauved --guardian require` when there is no guardian.
   Status hold(int descriptor, const SafeOrder& order);
-  /// Before the device is closed: when it returns, nothing is sent to it any more, unless the
-  /// guardian did not answer within a second.
+  /// Before the device is closed. After a stop it waits until the order has gone out, at most some
+  /// 200 ms. When it returns, nothing is sent to the device any more, unless the guardian did not
+  /// answer within a second.
   void drop();
 
  private:

@@ -5,13 +5,20 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <functional>
 #include <system_error>
 #include <utility>
 
+#include <mauve/host/clock.h>
+#include <mauve/host/report.h>
+
 #include "base/mutex.h"
 #include "rt/guardian/guardian_link.h"
+#include "rt/thread/futex.h"
 
 namespace mauve::rt {
 namespace {
@@ -42,18 +49,54 @@ void copy_into(std::array<char, N>& room, const std::string& text) {
   room[length] = '\0';
 }
 
+/// The part of an output that threads look at which take no lock.
+struct Slot {
+  std::atomic<std::uint64_t> key{0};  ///< of the component; 0: none
+  /// Set when the component stopped, and cleared by the thread that sends the order.
+  std::atomic<const std::atomic<ComponentState>*> parked{nullptr};
+};
+std::array<Slot, guardian::kMostOutputs> slots{};
+std::atomic<std::uint32_t> sender_bell{0};  // of the thread that sends orders
+constexpr Duration kToGoOut = 500ms;
+
 }  // namespace
+
+std::uint64_t guarded_key(std::string_view address) {
+  return std::hash<std::string_view>{}(address.substr(0, address.find('.'))) | 1U;
+}
+
+bool holds_guarded_output(std::uint64_t key) {
+  return std::any_of(slots.begin(), slots.end(), [key](const Slot& one) {
+    return one.key.load(std::memory_order_relaxed) == key;
+  });
+}
+
+void send_safe_orders(std::uint64_t key, const std::atomic<ComponentState>& state) {
+  bool any = false;
+  for (Slot& slot : slots) {
+    if (slot.key.load(std::memory_order_relaxed) != key) continue;
+    slot.parked.store(&state, std::memory_order_release);
+    any = true;
+  }
+  if (any) futex_bump(sender_bell);
+}
 
 GuardedOutputs& GuardedOutputs::of_process() {
   static auto* const all = new GuardedOutputs;  // plugins may drop theirs at the very end
   return *all;
 }
 
-void GuardedOutputs::expect(GuardianUse use, std::function<void()> ring) {
-  const MutexLock lock(mutex_);
-  use_ = use;
-  ring_ = std::move(ring);
-  looked_ = use == GuardianUse::off;
+Status GuardedOutputs::expect(GuardianUse use, std::function<void()> ring) {
+  {
+    const MutexLock lock(mutex_);
+    keeps_ = true;
+    use_ = use;
+    ring_ = std::move(ring);
+    looked_ = use == GuardianUse::off;
+  }
+  sender_ends_ = false;
+  if (sender_.running()) return ok();
+  return sender_.start({"mauve-safe", 0, {}, 64 * 1024}, [this] { run_sender(); });
 }
 
 Result<GuardedOutputs::Held> GuardedOutputs::made(const void* owner, const std::string& name,
@@ -78,6 +121,10 @@ Result<GuardedOutputs::Held> GuardedOutputs::made(const void* owner, const std::
   if (held.slot >= guardian::kMostOutputs) {
     return refuse({Errc::limit, "guardian_full"}, {}, "a guardian holds no more than 32 outputs");
   }
+  if ((fcntl(descriptor, F_GETFL) & O_NONBLOCK) == 0) {
+    return refuse({Errc::invalid_value, "output_not_guarded"}, {},
+                  "its descriptor must be opened with O_NONBLOCK");
+  }
   held.descriptor = Descriptor(fcntl(descriptor, F_DUPFD_CLOEXEC, 0));
   if (!held.descriptor) {
     return refuse({Errc::system, "guardian_failed"}, {},
@@ -90,10 +137,11 @@ Status GuardedOutputs::hold(const void* owner, const std::string& name, int desc
                             const SafeOrder& order) {
   if (Status right = check(order); !right) return right;
   MutexLock lock(mutex_);
-  if (use_ == GuardianUse::off) return ok();
+  if (!keeps_) return ok();
   auto next = made(owner, name, descriptor, order);
   if (!next) return next.error();
   held_[owner] = *std::move(next);
+  slots.at(held_[owner].slot).key = guarded_key(name);
   if (socket_ >= 0) {
     hand_over(held_[owner]);
   } else if (ring_) {
@@ -112,6 +160,7 @@ Status GuardedOutputs::hold(const void* owner, const std::string& name, int desc
     why = "no guardian holds this output, and mauved --guardian require asks for one";
   }
   if (why.empty()) return ok();
+  slots.at(found->second.slot).key = 0;
   held_.erase(found);
   return refuse({Errc::invalid_value, "output_not_guarded"}, {}, why,
                 "see mauvectl doctor, and man mauve-guardian");
@@ -119,6 +168,7 @@ Status GuardedOutputs::hold(const void* owner, const std::string& name, int desc
 
 void GuardedOutputs::drop(const void* owner) {
   MutexLock lock(mutex_);
+  await_sending(lock, owner);
   const auto found = held_.find(owner);
   if (found == held_.end()) return;
   const std::uint32_t slot = found->second.slot;
@@ -129,6 +179,7 @@ void GuardedOutputs::drop(const void* owner) {
     const std::uint32_t number = send(request, -1);
     await(lock, number);
   }
+  slots.at(slot).key = 0;
   held_.erase(owner);
 }
 
@@ -143,6 +194,7 @@ void GuardedOutputs::send_again() {
 std::vector<std::string> GuardedOutputs::names() const {
   const MutexLock lock(mutex_);
   std::vector<std::string> all;
+  if (use_ == GuardianUse::off) return all;
   all.reserve(held_.size());
   for (const auto& [owner, held] : held_) all.emplace_back(held.order.name.data());
   std::sort(all.begin(), all.end());
@@ -162,6 +214,7 @@ void GuardedOutputs::attach(int socket) {
 void GuardedOutputs::detach() {
   const MutexLock lock(mutex_);
   socket_ = -1;
+  looked_ = false;  // another one is looked for at once
   for (auto& [owner, held] : held_) held.answered = false;
   changed_.notify_all();
 }
@@ -179,15 +232,86 @@ void GuardedOutputs::take(const guardian::Answer& answer) {
 }
 
 void GuardedOutputs::say_goodbye() {
-  MutexLock lock(mutex_);
-  use_ = GuardianUse::off;
-  ring_ = nullptr;
-  if (socket_ >= 0) {
-    guardian::Request request;
-    request.kind = guardian::Kind::bye;
-    await(lock, send(request, -1));
+  {
+    MutexLock lock(mutex_);
+    keeps_ = false;
+    await_sending(lock, nullptr);
+    if (socket_ >= 0) {
+      guardian::Request request;
+      request.kind = guardian::Kind::bye;
+      await(lock, send(request, -1));
+    }
   }
-  held_.clear();
+  leave();
+}
+
+void GuardedOutputs::leave() {
+  {
+    const MutexLock lock(mutex_);
+    keeps_ = false;
+    use_ = GuardianUse::off;
+    ring_ = nullptr;
+    for (Slot& slot : slots) slot.key = 0;
+    held_.clear();
+    changed_.notify_all();
+  }
+  sender_ends_ = true;
+  futex_bump(sender_bell);
+  sender_.join();
+}
+
+void GuardedOutputs::forget(const std::atomic<ComponentState>& state) {
+  const MutexLock lock(mutex_);
+  for (auto& [owner, held] : held_) {
+    auto* parked = &state;
+    if (slots.at(held.slot).parked.compare_exchange_strong(parked, nullptr)) {
+      held.sending.begin(held.order, MonotonicClock().now());
+      held.state = nullptr;
+    }
+    if (held.state == &state) held.state = nullptr;
+  }
+  futex_bump(sender_bell);
+}
+
+void GuardedOutputs::run_sender() {
+  while (!sender_ends_.load()) {
+    const std::uint32_t seen = sender_bell.load();
+    Instant next = kForever;
+    {
+      const MutexLock lock(mutex_);
+      for (auto& [owner, held] : held_) {
+        next = std::min(next, advance(held, MonotonicClock().now()));
+      }
+      changed_.notify_all();
+    }
+    futex_wait_until(sender_bell, seen, next);
+  }
+}
+
+/// When to look at it again.
+Instant GuardedOutputs::advance(Held& held, Instant now) {
+  if (const auto* const parked = slots.at(held.slot).parked.exchange(nullptr)) {
+    held.state = parked;
+    held.sending.begin(held.order, now);
+  }
+  if (!held.sending.under_way()) return kForever;
+  if (held.state != nullptr && held.state->load() == ComponentState::running) {
+    held.sending.cancel();
+    return kForever;
+  }
+  return held.sending.advance(held.order, held.descriptor.get(), now);
+}
+
+/// Of this owner, or of all (null).
+void GuardedOutputs::await_sending(MutexLock& lock, const void* owner) {
+  const auto gone_out = [&]() MAUVE_REQUIRES(mutex_) {
+    return std::none_of(held_.begin(), held_.end(), [&](const auto& one) {
+      const bool asked = owner == nullptr || one.first == owner;
+      return asked &&
+             (one.second.sending.under_way() || slots.at(one.second.slot).parked.load() != nullptr);
+    });
+  };
+  changed_.wait_for(lock, kToGoOut, gone_out);
 }
 
 void GuardedOutputs::hand_over(Held& held) {

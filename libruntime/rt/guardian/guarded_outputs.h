@@ -2,10 +2,12 @@
 /// GuardedOutputs: the outputs that the guardian of this process holds for it (guardian/README.md).
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <mauve/guarded.h>
@@ -13,9 +15,15 @@
 
 #include "base/mutex.h"
 #include "rt/guardian/guardian_wire.h"
+#include "rt/guardian/order_sending.h"
 #include "rt/process/descriptor.h"
+#include "rt/thread/thread.h"
 
-namespace mauve::rt {
+namespace mauve {
+
+enum class ComponentState : std::uint8_t;
+
+namespace rt {
 
 /// The fate of an output that no guardian holds.
 enum class GuardianUse : std::uint8_t {
@@ -24,7 +32,17 @@ enum class GuardianUse : std::uint8_t {
   require  ///< it is refused
 };
 
-/// All outputs of the process that are to be guarded. Keeps a copy of each descriptor, so that a
+/// Stands for the component whose name is the address, or begins it. Never 0.
+[[nodiscard]] std::uint64_t guarded_key(std::string_view address);
+/// A component with this key holds a guarded output. Never waits. [guard]
+[[nodiscard]] bool holds_guarded_output(std::uint64_t key);
+
+/// The component with this key runs no more jobs: it was stopped, failed, or is removed. Its orders
+/// are sent soon, unless `state` says by then that it runs again. [rt] One system call at most.
+void send_safe_orders(std::uint64_t key, const std::atomic<ComponentState>& state);
+
+/// All outputs of the process that are to be guarded. Sends their orders while this process lives:
+/// see send_safe_orders(). Keeps a copy of each descriptor, so that a
 /// guardian that comes later gets it. Not on real-time threads.
 class GuardedOutputs {
  public:
@@ -34,33 +52,42 @@ class GuardedOutputs {
   /// or until one was looked for, 2 s at most. Refused when it cannot be an order, and under
   /// `require` when no guardian has it then. [any]
   Status hold(const void* owner, const std::string& name, int descriptor, const SafeOrder& order);
-  /// Drops the order of this owner, if it has one. When it returns, nothing is sent to that
-  /// descriptor any more, or the guardian did not answer within a second. [any]
+  /// Drops the order of this owner, if it has one. Waits until an order that is on its way has gone
+  /// out, some 200 ms at most. When it returns, nothing is sent to that descriptor any more, or the
+  /// guardian did not answer within a second. [any]
   void drop(const void* owner);
   /// Lets the guardian send all orders again: an output that was made safe may have been live
   /// since. [any] Never waits.
   void send_again();
+  /// The component of `state` leaves: no thread reads `state` after this call. [any but rt]
+  void forget(const std::atomic<ComponentState>& state);
   /// The names of those that a guardian holds, or would if there were one. [any]
   [[nodiscard]] std::vector<std::string> names() const;
 
   // --- Of the thread that has the connection (guardian_link.h).
-  /// From now on orders are kept; `ring` is called for the first one of them. [any]
-  void expect(GuardianUse use, std::function<void()> ring);
+  /// From now on orders are kept; `ring` is called for the first one of them. To be ended by
+  /// say_goodbye() or by leave(). [any]
+  Status expect(GuardianUse use, std::function<void()> ring);
   /// The socket of the guardian that was found; -1: there is none.
   void attach(int socket);
   void detach();
   void take(const guardian::Answer& answer);
-  /// The end in order: nothing is sent any more, and from now on nothing is kept. [any]
+  /// The end in order, once all orders on their way have gone out: nothing is sent any more, and
+  /// from now on nothing is kept. [any]
   void say_goodbye();
+  /// Without a word: the guardian shall send its orders. From now on nothing is kept. [any]
+  void leave();
 
  private:
   struct Held {
     guardian::Order order;
     Descriptor descriptor;
     std::uint32_t slot = 0;
-    std::uint32_t number = 0;  // of the request that hands it over
-    bool answered = false;     // by the present guardian
-    std::string refused;       // the refusal of the guardian; empty: none
+    std::uint32_t number = 0;                            // of the request that hands it over
+    bool answered = false;                               // by the present guardian
+    std::string refused;                                 // the refusal of the guardian; empty: none
+    OrderSending sending;                                // of this process itself
+    const std::atomic<ComponentState>* state = nullptr;  // of the component; null: it has gone
   };
   [[nodiscard]] Result<Held> made(const void* owner, const std::string& name, int descriptor,
                                   const SafeOrder& order) const MAUVE_REQUIRES(mutex_);
@@ -68,9 +95,13 @@ class GuardedOutputs {
   void hand_over(Held& held) MAUVE_REQUIRES(mutex_);
   std::uint32_t send(guardian::Request request, int descriptor) MAUVE_REQUIRES(mutex_);
   void await(MutexLock& lock, std::uint32_t number) MAUVE_REQUIRES(mutex_);
+  void await_sending(MutexLock& lock, const void* owner) MAUVE_REQUIRES(mutex_);
+  void run_sender();
+  [[nodiscard]] Instant advance(Held& held, Instant now) MAUVE_REQUIRES(mutex_);
 
   mutable Mutex mutex_;  // of all that follows
   ConditionVariable changed_;
+  bool keeps_ MAUVE_GUARDED_BY(mutex_) = false;
   GuardianUse use_ MAUVE_GUARDED_BY(mutex_) = GuardianUse::off;
   std::function<void()> ring_ MAUVE_GUARDED_BY(mutex_);
   bool looked_ MAUVE_GUARDED_BY(mutex_) = false;  // for a guardian
@@ -78,6 +109,9 @@ class GuardedOutputs {
   std::uint32_t number_ MAUVE_GUARDED_BY(mutex_) = 0;
   std::uint32_t answered_ MAUVE_GUARDED_BY(mutex_) = 0;  // all up to this one
   std::map<const void*, Held> held_ MAUVE_GUARDED_BY(mutex_);
+  std::atomic<bool> sender_ends_{false};
+  Thread sender_;  // of orders of components that stopped
 };
 
-}  // namespace mauve::rt
+}  // namespace rt
+}  // namespace mauve

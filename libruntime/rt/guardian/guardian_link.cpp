@@ -11,6 +11,8 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <system_error>
@@ -18,6 +20,7 @@
 
 #include <mauve/host/clock.h>
 
+#include "base/duration.h"
 #include "base/mutex.h"
 #include "rt/process/spawn.h"
 
@@ -29,9 +32,11 @@ using What = GuardianNews::What;
 
 constexpr int kToGreetMs = 1'000;
 constexpr int kBetweenAttemptsMs = 1'000;
-constexpr int kToEndMs = 500;  // of one that was started here
-/// A thread that waits for a descriptor keeps it open after it was closed.
-constexpr int kBetweenLooksMs = 50;
+constexpr Duration kBetweenServices = 1s;
+constexpr int kToGreetMeanwhileMs = 50;  // while another one serves
+constexpr int kToEndMs = 500;            // of one that was started here
+/// One that served for a shorter time is not replaced at once: the next one may end as soon.
+constexpr Duration kDiesAgain = 1s;
 
 Error system_error(const std::string& doing) {
   return refuse({Errc::system, "guardian_failed"}, "guardian",
@@ -48,10 +53,26 @@ bool readable_within(int descriptor, int milliseconds) {
 /// a descriptor may belong to another device. The crash handler runs, and the process ends.
 [[noreturn]] void lose_all_descriptors() { std::abort(); }
 
-int process_behind(int socket) {
+Error deaf() {
+  return refuse(
+      {Errc::timed_out, "guardian_silent"}, "guardian",
+      "it stands still: it did not answer for " + format_duration(GuardianPulse::kPatience));
+}
+
+/// The answer has the number 0, and needs no treatment.
+void ask(int socket) {
+  guardian::Request request;
+  request.kind = guardian::Kind::ask;
+  static_cast<void>(guardian::send(socket, request, -1));
+}
+
+/// Of the process that listened there, or made the socket.
+ucred credentials_of(int socket) {
   ucred who{};
   socklen_t size = sizeof who;
-  return getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &who, &size) == 0 ? who.pid : 0;
+  constexpr auto kNobody = static_cast<uid_t>(-1);
+  if (getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &who, &size) != 0) return {0, kNobody, 0};
+  return who;
 }
 
 }  // namespace
@@ -81,22 +102,23 @@ bool send(int socket, const Request& request, int descriptor) {
 Status GuardianLink::start(GuardianPlan plan, Report report) {
   plan_ = std::move(plan);
   report_ = std::move(report);
-  if (plan_.use == GuardianUse::off) return ok();
+  if (plan_.use == GuardianUse::off) {
+    return GuardedOutputs::of_process().expect(GuardianUse::off, nullptr);
+  }
   bell_ = Descriptor(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   if (!bell_) return system_error("cannot wait for outputs");
-  GuardedOutputs::of_process().expect(plan_.use, [this] { ring(); });
+  Status expected = GuardedOutputs::of_process().expect(plan_.use, [this] { ring(); });
+  if (!expected) return expected;
   return thread_.start({"mauve-link", 0, {}, 64 * 1024}, [this] { run(); });
 }
 
 void GuardianLink::stop(bool in_order) {
   leaves_.store(true);
-  if (in_order && thread_.running()) GuardedOutputs::of_process().say_goodbye();
+  if (in_order) GuardedOutputs::of_process().say_goodbye();
   quits_.store(true);
   ring();
   thread_.join();
-  if (plan_.use != GuardianUse::off) {
-    GuardedOutputs::of_process().expect(GuardianUse::off, nullptr);
-  }
+  GuardedOutputs::of_process().leave();
 }
 
 GuardianState GuardianLink::state() const {
@@ -118,31 +140,68 @@ void GuardianLink::run() {
     }
   }
   page_.let_go();
+  let_go_of_former();
   reap();
 }
 
-/// False: there is none, or it was lost.
+/// False: there is none, or it was lost so soon that the next one may be too.
 bool GuardianLink::ask_for_one() {
   reap();
-  auto socket = connected();
   How how = How::service;
-  Status greeted = socket ? greet(socket->get()) : Status(socket.error());
-  if (!greeted && !plan_.command.empty()) {  // also when the service is deaf, or has another one
-    socket = started();
-    how = How::started;
-    greeted = socket ? greet(socket->get()) : Status(socket.error());
-  }
-  if (!greeted) {
-    absent(What::absent, greeted.error().message);
+  auto socket = greeted(how);
+  if (!socket) {
+    absent(What::absent, socket.error().message);
+    let_go_of_former();
     GuardedOutputs::of_process().attach(-1);
     return false;
   }
   found(how, socket->get());
   GuardedOutputs::of_process().attach(socket->get());
-  serve(socket->get());
+  let_go_of_former();
+  const Instant since = MonotonicClock().now();
+  const End end = serve(how, socket->get());
   GuardedOutputs::of_process().detach();
-  if (!leaves_.load()) absent(What::lost, "it ended, or closed the connection");
-  return false;
+  lose(end, how, *std::move(socket));
+  return Duration{MonotonicClock().now() - since} >= kDiesAgain;
+}
+
+/// The service, unless it just proved deaf. Else one that is started here, also when the service
+/// does not answer, or has another mauved.
+Result<Descriptor> GuardianLink::greeted(How& how) {
+  how = How::service;
+  if (next_) return std::exchange(next_, Descriptor());
+  auto socket = std::exchange(deaf_service_, false) ? Result<Descriptor>(deaf()) : connected();
+  Status greeted = socket ? greet(socket->get(), kToGreetMs) : Status(socket.error());
+  const bool impostor = !greeted && greeted.error().code == Errc::not_permitted;
+  passed_over_ = impostor ? greeted.error().message : "";
+  if (!greeted && !plan_.command.empty()) {
+    how = How::started;
+    socket = started();
+    greeted = socket ? greet(socket->get(), kToGreetMs) : Status(socket.error());
+  }
+  if (!greeted) return greeted.error();
+  return socket;
+}
+
+/// One that is deaf keeps the outputs until another one has them.
+void GuardianLink::lose(End end, How how, Descriptor socket) {
+  if (end == End::deaf || end == End::replaced) {
+    former_ = {std::move(socket), std::exchange(child_, 0)};
+    deaf_service_ = end == End::deaf && how == How::service;
+  }
+  if (leaves_.load() || end == End::replaced) return;
+  absent(What::lost, end == End::deaf ? deaf().message : "it ended, or closed the connection");
+}
+
+/// It sends nothing any more, should it ever go on.
+void GuardianLink::let_go_of_former() {
+  if (former_.socket) {
+    guardian::Request request;
+    request.kind = guardian::Kind::bye;
+    static_cast<void>(guardian::send(former_.socket.get(), request, -1));
+  }
+  if (former_.child != 0 && kill(former_.child, SIGKILL) == 0) dying_.push_back(former_.child);
+  former_ = {};
 }
 
 Result<Descriptor> GuardianLink::connected() const {
@@ -157,6 +216,13 @@ Result<Descriptor> GuardianLink::connected() const {
   const auto* const place = reinterpret_cast<const sockaddr*>(&address);
   if (!socket || connect(socket.get(), place, sizeof address) != 0) {
     return system_error("no guardian serves " + plan_.socket);
+  }
+  // It gets the devices, so it is asked before the first message.
+  const uid_t its = credentials_of(socket.get()).uid;
+  if (its != geteuid() && its != 0) {
+    return refuse({Errc::not_permitted, "guardian_not_trusted"}, "guardian",
+                  "a process of user " + std::to_string(its) + " listens at " + plan_.socket +
+                      ", who is neither root nor the user of mauved: it gets no output");
   }
   return socket;
 }
@@ -177,13 +243,13 @@ Result<Descriptor> GuardianLink::started() {
   return ours;
 }
 
-Status GuardianLink::greet(int socket) const {
+Status GuardianLink::greet(int socket, int milliseconds) const {
   guardian::Request hello;
   hello.thread = page_.owner();
   hello.silence_ms = static_cast<std::uint32_t>(plan_.silence / Duration{1ms});
   if (!guardian::send(socket, hello, page_.file())) return system_error("it takes no message");
   guardian::Answer answer;
-  if (!readable_within(socket, kToGreetMs)) {
+  if (!readable_within(socket, milliseconds)) {
     return refuse({Errc::timed_out, "guardian_silent"}, "guardian",
                   "it does not answer: it may serve another mauved at this moment");
   }
@@ -196,19 +262,39 @@ Status GuardianLink::greet(int socket) const {
   return ok();
 }
 
-/// Until the connection ends, or stop().
-void GuardianLink::serve(int socket) {
+/// Until the connection ends, nobody answers there any more, or stop().
+GuardianLink::End GuardianLink::serve(How how, int socket) {
   struct stat before {};
   struct stat now {};
   fstat(socket, &before);
+  const MonotonicClock clock;
+  sought_ = clock.now();
+  pulse_ = GuardianPulse(clock.now());
   for (;;) {
     std::array<pollfd, 2> both{{{socket, POLLIN, 0}, {bell_.get(), POLLIN, 0}}};
-    poll(both.data(), both.size(), kBetweenLooksMs);
+    poll(both.data(), both.size(),
+         static_cast<int>(std::chrono::ceil<std::chrono::milliseconds>(pulse_.pause()).count()));
     if (fstat(socket, &now) != 0 || now.st_ino != before.st_ino) lose_all_descriptors();
-    if (both[0].revents != 0 && !read_all(socket)) return;
+    if (both[0].revents != 0 && !read_all(socket)) return End::closed;
     static_cast<void>(ring_within(0));
-    if (quits_.load()) return;
+    if (quits_.load()) return End::quit;
+    const auto sign = pulse_.look(clock.now());
+    if (sign == GuardianPulse::Sign::deaf) return End::deaf;
+    if (sign == GuardianPulse::Sign::ask) ask(socket);
+    if (how == How::started && finds_service(clock.now())) return End::replaced;
   }
+}
+
+/// One that was started here ends with the control group of this process; a service that comes
+/// later, or comes back, does not.
+bool GuardianLink::finds_service(Instant now) {
+  if (Duration{now - sought_} < kBetweenServices) return false;
+  sought_ = now;
+  auto socket = connected();
+  if (!socket || !greet(socket->get(), kToGreetMeanwhileMs)) return false;
+  next_ = *std::move(socket);
+  passed_over_.clear();
+  return true;
 }
 
 /// False: the connection has ended.
@@ -220,10 +306,11 @@ bool GuardianLink::read_all(int socket) {
     if (got < 0 && errno == EAGAIN) return true;
     if (got != sizeof answer) return false;
     answer.text.back() = '\0';
+    pulse_.heard();
     if (answer.kind == guardian::Kind::silence) {
       report_({What::silence, std::chrono::milliseconds(answer.lasted_ms), answer.done,
                answer.total, state()});
-    } else {
+    } else if (answer.number != 0) {
       GuardedOutputs::of_process().take(answer);
     }
   }
@@ -234,7 +321,7 @@ void GuardianLink::found(How how, int socket) {
   {
     const MutexLock lock(mutex_);
     if (state_.how == How::none) news.lasted = Duration{MonotonicClock().now() - state_.since};
-    state_ = {how, {}, 0, how == How::started ? child_ : process_behind(socket)};
+    state_ = {how, passed_over_, 0, how == How::started ? child_ : credentials_of(socket).pid};
     news.state = state_;
   }
   report_(news);
@@ -258,6 +345,7 @@ void GuardianLink::absent(What what, const std::string& why) {
 
 /// One that was started here ends when its connection does.
 void GuardianLink::reap() {
+  std::erase_if(dying_, [](pid_t one) { return waitpid(one, nullptr, WNOHANG) != 0; });
   for (int waited = 0; child_ != 0; ++waited) {
     const pid_t ended = waitpid(child_, nullptr, WNOHANG);
     if (ended != 0) child_ = 0;

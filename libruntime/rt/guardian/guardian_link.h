@@ -13,6 +13,7 @@
 #include "base/mutex.h"
 #include "rt/guardian/guarded_outputs.h"
 #include "rt/guardian/guardian_page.h"
+#include "rt/guardian/guardian_pulse.h"
 #include "rt/process/descriptor.h"
 #include "rt/thread/thread.h"
 
@@ -37,7 +38,7 @@ struct GuardianState {
     started   ///< this process started it
   };
   How how = How::unused;
-  std::string why;    ///< none: why
+  std::string why;    ///< none: why. started: why the one that listens got no output, if one does
   Instant since = 0;  ///< none: since when, monotonic
   int process = 0;    ///< its number, when it is there
 };
@@ -47,7 +48,7 @@ struct GuardianNews {
   enum class What : std::uint8_t {
     found,   ///< it holds the outputs from now on
     absent,  ///< there is none; reported once until there is one
-    lost,    ///< it ended, or does not listen any more
+    lost,    ///< it ended, or does not answer any more
     silence  ///< it took this process for dead and sent all orders
   };
   What what = What::found;
@@ -57,8 +58,9 @@ struct GuardianNews {
   GuardianState state;
 };
 
-/// A thread that looks for a guardian once there is an output to guard, and again each second while
-/// there is none. One in a process.
+/// A thread that looks for a guardian once there is an output to guard, asks the guardian all the
+/// time whether it still serves, and replaces one that does not. While there is none, it looks
+/// again each second. One in a process.
 class GuardianLink {
  public:
   using Report = std::function<void(const GuardianNews&)>;
@@ -76,13 +78,24 @@ class GuardianLink {
   [[nodiscard]] GuardianState state() const;
 
  private:
+  enum class End : std::uint8_t { quit, closed, deaf, replaced };
+  /// One that does not answer, or goes: it holds the outputs until another one does.
+  struct Former {
+    Descriptor socket;
+    pid_t child = 0;  // 0: not started here
+  };
+
   void run();
   [[nodiscard]] bool ask_for_one();
+  [[nodiscard]] Result<Descriptor> greeted(GuardianState::How& how);
   [[nodiscard]] Result<Descriptor> connected() const;
   [[nodiscard]] Result<Descriptor> started();
-  [[nodiscard]] Status greet(int socket) const;
-  void serve(int socket);
+  [[nodiscard]] Status greet(int socket, int milliseconds) const;
+  [[nodiscard]] End serve(GuardianState::How how, int socket);
+  [[nodiscard]] bool finds_service(Instant now);
   [[nodiscard]] bool read_all(int socket);
+  void lose(End end, GuardianState::How how, Descriptor socket);
+  void let_go_of_former();
   void found(GuardianState::How how, int socket);
   void absent(GuardianNews::What what, const std::string& why);
   void reap();
@@ -93,7 +106,14 @@ class GuardianLink {
   Report report_;
   guardian::OwnPage page_;
   Descriptor bell_;
-  pid_t child_ = 0;                  // started and not reaped
+  pid_t child_ = 0;            // started and not reaped
+  std::vector<pid_t> dying_;   // started, killed and not reaped: a device may hold them up
+  Former former_;              // until there is another one
+  std::string passed_over_;    // why one that listens is no guardian; empty: none does
+  bool deaf_service_ = false;  // the next attempt leaves it alone
+  GuardianPulse pulse_{0};
+  Instant sought_ = 0;               // a service
+  Descriptor next_;                  // one that was greeted, and serves from the next attempt on
   std::atomic<bool> leaves_{false};  // the end of the connection is not reported any more
   std::atomic<bool> quits_{false};
   mutable Mutex mutex_;  // of the state

@@ -15,7 +15,7 @@
 namespace mauve::rt::guardian {
 
 /// Of messages and page; another version is refused.
-inline constexpr std::uint32_t kVersion = 1;
+inline constexpr std::uint32_t kVersion = 2;
 inline constexpr std::size_t kMostOutputs = 32;
 inline constexpr std::size_t kMostBytes = 256;
 /// All orders must have gone out this long after the end was noticed, in milliseconds.
@@ -53,7 +53,8 @@ enum class Kind : std::uint32_t {
   hold,     ///< mauved: hold this order; with the descriptor
   drop,     ///< mauved: hold it no more
   again,    ///< mauved: after a silence all components stand; send the orders once more
-  bye,      ///< mauved ends in order: nothing is to be sent
+  bye,      ///< mauved ends in order, or has another guardian: nothing is to be sent
+  ask,      ///< mauved: does it still serve?
   answer,   ///< guardian, to each of the above
   silence,  ///< guardian: mauved was silent, the orders were sent
 };
@@ -62,7 +63,7 @@ enum class Kind : std::uint32_t {
 struct Request {
   std::uint32_t version = kVersion;
   Kind kind = Kind::hello;
-  std::uint32_t number = 0;  ///< of the request; the answer has the same
+  std::uint32_t number = 0;  ///< of the request, 0 of hello and ask; the answer has the same
   std::uint32_t slot = 0;    ///< of the order, below kMostOutputs
   std::int32_t thread = 0;   ///< hello: the owner in the page
   std::uint32_t silence_ms =
