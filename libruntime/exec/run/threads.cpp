@@ -8,8 +8,10 @@
 #include "exec/run/threads.h"
 
 #include "base/thread_role.h"
+#include "exec/run/turn_watch.h"
 #include "exec/task/task.h"
 #include "model/job/keep_for_abandoned.h"
+#include "rt/guardian/guarded_outputs.h"
 #include "rt/guardian/guardian_page.h"
 #include "rt/thread/fence.h"
 #include "rt/thread/futex.h"
@@ -173,6 +175,8 @@ class Threads final : public Runner {
 
     Task& task;
     rt::ThreadAttributes attributes;
+    const std::uint64_t key = rt::guarded_key(task.name());  // its guarded outputs
+    TurnWatch turn;
     std::atomic<bool> quit{false};
     std::vector<std::shared_ptr<const Bundle>> inside;  // once lost: the bundles it may use
     bool ending = false;
@@ -255,7 +259,7 @@ class Threads final : public Runner {
         const rt::PiMutexLock lock(mutex_);
         for (auto& [task, worker] : workers_) {
           next = std::min(next, look_at(worker));
-          served = served && is_served(*worker);
+          served = is_served(*worker) && served;
         }
         next = std::min(next, join_lost());
       }
@@ -268,11 +272,18 @@ class Threads final : public Runner {
   }
 
   /// False for a release that is overdue by more than the bound of a job. The guard would have
-  /// ended a job in its way by then, so the guard cannot help either.
-  [[nodiscard]] bool is_served(const Worker& worker) const {
-    const Instant bound = worker.task.bound(worker.attributes.priority > 0).count();
-    return bound <= 0 || worker.quit.load() ||
-           now() < worker.task.known_release() + bound + kBeyondBound.count();
+  /// ended a job in its way by then, so the guard cannot help either. False too for a component
+  /// with a guarded output whose thread others keep from the processor.
+  [[nodiscard]] bool is_served(Worker& worker) const {
+    const Duration bound = worker.task.bound(worker.attributes.priority > 0);
+    if (worker.quit.load()) return true;
+    const Instant release = worker.task.known_release();
+    if (rt::holds_guarded_output(worker.key) &&
+        !worker.turn.look(now(), {release, worker.thread.used(), bound},
+                          [&worker] { return worker.thread.asleep(); })) {
+      return false;
+    }
+    return bound <= Duration{0} || now() < release + (bound + kBeyondBound).count();
   }
 
   /// The host does not let its CPU run at this moment, and charges that time to its job: the job is
