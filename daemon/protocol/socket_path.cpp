@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "protocol/socket_path.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cstdlib>
+#include <filesystem>
+#include <system_error>
 
 namespace mauve::protocol {
 
@@ -17,6 +20,19 @@ std::string default_socket_path() {
                                ? std::string(runtime_dir)
                                : "/run/user/" + std::to_string(user);
   return base + "/mauve/mauved.sock";
+}
+
+bool may_be_mauved(const std::string& path, uid_t listener) {
+  if (listener == 0 || listener == geteuid()) return true;
+  std::error_code failed;
+  auto folder = std::filesystem::absolute(path, failed).parent_path();
+  struct stat its {};
+  if (failed || stat(folder.c_str(), &its) != 0 || its.st_uid != listener) return false;
+  for (; stat(folder.c_str(), &its) == 0; folder = folder.parent_path()) {
+    if ((its.st_mode & S_IWOTH) != 0) return false;
+    if (folder == folder.root_path()) return true;
+  }
+  return false;
 }
 
 }  // namespace mauve::protocol

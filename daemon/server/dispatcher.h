@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <variant>
 
 #include "protocol/methods.h"
@@ -21,7 +22,10 @@ struct Caller {
   Peer peer;
   Role role = Role::none;
   std::shared_ptr<Outbox> outbox;
-  bool only_urgent = false;  ///< admitted beyond the limits: only stop, confirm, undo and ping
+  /// Why it may only stop, confirm, undo and ping; empty: it may call all that its role permits.
+  std::string_view only_urgent_since = {};
+
+  [[nodiscard]] bool only_urgent() const { return !only_urgent_since.empty(); }
 };
 
 using Outcome = std::variant<protocol::Json, protocol::Fault>;

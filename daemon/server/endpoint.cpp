@@ -2,29 +2,31 @@
 #include "server/endpoint.h"
 
 #include <fcntl.h>
-#include <grp.h>
 #include <sys/file.h>
 #include <sys/fsuid.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <optional>
 #include <utility>
 
 #include "protocol/socket_path.h"
+#include "server/peer.h"
 
 namespace mauve::server {
 
 namespace {
 
 constexpr mode_t kDirectoryMode = 0750;
-constexpr mode_t kSocketUmask = 0117;  // leaves 0660
-constexpr int kBacklog = 64;
+constexpr mode_t kSocketMode = 0660;
+constexpr int kBacklog = 512;
 
 Error system_error(const std::string& at, const std::string& what, std::string hint = {}) {
   return refuse({Errc::system, "socket_failed"}, at, what + ": " + std::strerror(errno),
@@ -48,31 +50,13 @@ Result<sockaddr_un> address_of(const std::filesystem::path& path) {
 class AsMauveGroup {
  public:
   AsMauveGroup() {
-    if (geteuid() == 0) {
-      std::array<char, 4096> buffer{};
-      group entry{};
-      group* found = nullptr;
-      getgrnam_r("mauve", &entry, buffer.data(), buffer.size(), &found);
-      if (found != nullptr) {
-        setfsgid(found->gr_gid);
-      }
+    if (const auto mauve = machine_rules().operators; geteuid() == 0 && mauve) {
+      setfsgid(*mauve);
     }
   }
   ~AsMauveGroup() { setfsgid(getegid()); }
   AsMauveGroup(const AsMauveGroup&) = delete;
   AsMauveGroup& operator=(const AsMauveGroup&) = delete;
-};
-
-/// umask is of the whole process: only while nothing but main runs that makes files.
-class WithUmask {
- public:
-  explicit WithUmask(mode_t mask) : before_(umask(mask)) {}
-  ~WithUmask() { umask(before_); }
-  WithUmask(const WithUmask&) = delete;
-  WithUmask& operator=(const WithUmask&) = delete;
-
- private:
-  mode_t before_;
 };
 
 bool same_file(int fd, const std::string& path) {
@@ -84,102 +68,64 @@ bool same_file(int fd, const std::string& path) {
 
 std::string lock_path(const std::filesystem::path& path) { return path.string() + ".lock"; }
 
-}  // namespace
-
-Result<Endpoint> Endpoint::open(const std::filesystem::path& path) {
-  std::error_code failed;
-  auto absolute = std::filesystem::absolute(path, failed);
-  Endpoint endpoint(failed ? path : std::move(absolute));
-  if (const auto fits = address_of(endpoint.path_); !fits) {
-    return fits.error();
-  }
-  const AsMauveGroup group;
-  if (auto made = endpoint.make_directory(); !made) {
-    return made.error();
-  }
-  if (auto locked = endpoint.take_lock(); !locked) {
-    return locked.error();
-  }
-  if (auto clear = endpoint.clear_dead_socket(); !clear) {
-    return clear.error();
-  }
-  if (auto bound = endpoint.bind_and_listen(); !bound) {
-    return bound.error();
-  }
-  return endpoint;
-}
-
-Endpoint::Endpoint(Endpoint&& other) noexcept
-    : path_(other.path_),
-      lock_(std::exchange(other.lock_, -1)),
-      listener_(std::exchange(other.listener_, -1)),
-      bound_(std::exchange(other.bound_, false)) {}
-
-Endpoint::~Endpoint() {
-  if (listener_ >= 0) {
-    close(listener_);
-  }
-  if (bound_) {
-    unlink(path_.c_str());
-  }
-  if (lock_ >= 0) {
-    unlink(lock_path(path_).c_str());
-    close(lock_);
-  }
-}
-
-int Endpoint::release_listener() { return std::exchange(listener_, -1); }
-
-Status Endpoint::make_directory() const {
-  const auto directory = path_.parent_path();
-  std::error_code failed;
-  if (directory.empty() || std::filesystem::exists(directory, failed)) {
+/// The access list of a socket that the owner, its group and the group of the admins may open.
+/// Without that group, and where a file system has no lists, the mode decides alone.
+Status permit_admins(const std::string& file, std::optional<gid_t> admins) {
+  struct Entry {
+    std::uint16_t tag;
+    std::uint16_t permissions;
+    std::uint32_t id;
+  };
+  struct List {
+    std::uint32_t version;
+    std::array<Entry, 5> entries;
+  };
+  constexpr std::uint16_t kReadWrite = 6;
+  constexpr auto kNobody = static_cast<std::uint32_t>(-1);
+  constexpr const char* kName = "system.posix_acl_access";
+  if (!admins) {
+    removexattr(file.c_str(), kName);
     return ok();
   }
-  const WithUmask mask(0);
-  if (mkdir(directory.c_str(), kDirectoryMode) != 0 && errno != EEXIST) {
-    return system_error(directory.string(), "cannot make the directory of the socket",
-                        "make it, or choose another place with --socket");
+  // Owner, its group, the named group, the mask of both groups, all others: see acl(5).
+  const List list{2,
+                  {{{0x01, kReadWrite, kNobody},
+                    {0x04, kReadWrite, kNobody},
+                    {0x08, kReadWrite, *admins},
+                    {0x10, kReadWrite, kNobody},
+                    {0x20, 0, kNobody}}}};
+  if (setxattr(file.c_str(), kName, &list, sizeof list, 0) != 0 && errno != EOPNOTSUPP) {
+    return system_error(file, "cannot set the access list of the socket");
   }
   return ok();
 }
 
-Status Endpoint::take_lock() {
-  const auto name = lock_path(path_);
-  // A mauved that had the lock removes the file when it ends, so the file locked here may be gone
-  // by then.
-  for (int attempt = 0; attempt < 16; ++attempt) {
-    lock_ = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
-    if (lock_ < 0) {
-      return system_error(name, "cannot open the lock of the socket", protocol::kUseOwnSocket);
-    }
-    const bool locked = flock(lock_, LOCK_EX | LOCK_NB) == 0;
-    const bool held = !locked && errno == EWOULDBLOCK;
-    if (locked && same_file(lock_, name)) {
-      return ok();
-    }
-    close(std::exchange(lock_, -1));
-    if (held) {
-      return refuse({Errc::conflict, "socket_in_use"}, path_.string(),
-                    "another mauved serves this socket",
-                    std::string("stop it first, or ") + protocol::kUseOwnSocket);
+/// A directory may give new files an access list by default, with viewers in it. So a socket is
+/// bound for its owner alone, and its rights come before it listens.
+Status set_rights(int file, Way way) {
+  const auto name = "/proc/self/fd/" + std::to_string(file);
+  if (way == Way::stop) {
+    if (auto permitted = permit_admins(name, machine_rules().admins); !permitted) {
+      return permitted;
     }
   }
-  return refuse({Errc::conflict, "socket_in_use"}, path_.string(),
-                "the lock of the socket changes all the time", "start one mauved at a time");
+  return chmod(name.c_str(), kSocketMode) == 0
+             ? ok()
+             : Status(system_error(name, "cannot set the rights of the socket"));
 }
 
-Status Endpoint::clear_dead_socket() const {
+/// Removes a socket at which no daemon answers.
+Status clear_dead_socket(const std::filesystem::path& path) {
   struct stat status {};
-  if (lstat(path_.c_str(), &status) != 0) {
+  if (lstat(path.c_str(), &status) != 0) {
     return ok();
   }
   if (!S_ISSOCK(status.st_mode)) {
-    return refuse({Errc::conflict, "socket_path_occupied"}, path_.string(),
+    return refuse({Errc::conflict, "socket_path_occupied"}, path.string(),
                   "this is not a socket, and it is left alone",
                   "remove it, or choose another place with --socket");
   }
-  const auto address = address_of(path_);
+  const auto address = address_of(path);
   if (!address) {
     return address.error();
   }
@@ -189,34 +135,166 @@ Status Endpoint::clear_dead_socket() const {
   const int why = errno;
   close(probe);
   if (rc == 0 || why != ECONNREFUSED) {
-    return refuse({Errc::conflict, "socket_in_use"}, path_.string(),
+    return refuse({Errc::conflict, "socket_in_use"}, path.string(),
                   "somebody else listens at this socket",
                   std::string("stop it first, or ") + protocol::kUseOwnSocket);
   }
-  return unlink(path_.c_str()) == 0 || errno == ENOENT
+  return unlink(path.c_str()) == 0 || errno == ENOENT
              ? ok()
-             : Status(system_error(path_.string(), "cannot remove a dead socket"));
+             : Status(system_error(path.string(), "cannot remove a dead socket"));
 }
 
-Status Endpoint::bind_and_listen() {
-  const auto address = address_of(path_);
+}  // namespace
+
+Endpoint::Endpoint(const std::filesystem::path& path) {
+  at(Way::all).path = path;
+  at(Way::stop).path = path.string() + protocol::kStopSuffix;
+}
+
+Result<Endpoint> Endpoint::open(const std::filesystem::path& path) {
+  std::error_code failed;
+  const auto absolute = std::filesystem::absolute(path, failed);
+  Endpoint endpoint(failed ? path : absolute);
+  if (const auto fits = address_of(endpoint.path()); !fits) {
+    return fits.error();
+  }
+  for (const auto way : kWays) {
+    if (auto bound = endpoint.bind_again(way); !bound) {
+      return bound.error();
+    }
+  }
+  return endpoint;
+}
+
+Endpoint::Endpoint(Endpoint&& other) noexcept
+    : bound_(std::exchange(other.bound_, {})), lock_(std::exchange(other.lock_, -1)) {}
+
+Endpoint::~Endpoint() {
+  for (const auto way : kWays) {
+    if (at(way).listener >= 0) {
+      close(at(way).listener);
+    }
+    if (is_there(way)) {
+      unlink(at(way).path.c_str());
+    }
+  }
+  if (lock_ >= 0) {
+    if (same_file(lock_, lock_path(path()))) {
+      unlink(lock_path(path()).c_str());
+    }
+    close(lock_);
+  }
+}
+
+int Endpoint::release_listener(Way way) { return std::exchange(at(way).listener, -1); }
+
+bool Endpoint::is_there(Way way) const {
+  struct stat named {};
+  return at(way).inode != 0 && lstat(at(way).path.c_str(), &named) == 0 &&
+         named.st_ino == at(way).inode && named.st_dev == at(way).device;
+}
+
+Status Endpoint::bind_again(Way way) {
+  if (way == Way::stop && !address_of(path(way))) {
+    return ok();  // clients come on the other way
+  }
+  const AsMauveGroup group;
+  if (auto made = make_directory(); !made) {
+    return made;
+  }
+  if (auto locked = take_lock(); !locked) {
+    return locked;
+  }
+  if (is_there(way)) {  // nobody listens at it any more
+    unlink(path(way).c_str());
+  }
+  at(way).inode = 0;
+  if (auto clear = clear_dead_socket(path(way)); !clear) {
+    return clear;
+  }
+  return bind_and_listen(way);
+}
+
+Status Endpoint::make_directory() const {
+  const auto directory = path().parent_path();
+  std::error_code failed;
+  if (directory.empty() || std::filesystem::exists(directory, failed)) {
+    return ok();
+  }
+  if (mkdir(directory.c_str(), kDirectoryMode) != 0 && errno != EEXIST) {
+    return system_error(directory.string(), "cannot make the directory of the socket",
+                        "make it, or choose another place with --socket");
+  }
+  return ok();
+}
+
+Status Endpoint::take_lock() {
+  const auto name = lock_path(path());
+  if (lock_ >= 0 && same_file(lock_, name)) {
+    return ok();
+  }
+  // A mauved that had the lock removes the file when it ends, so the file locked here may be gone
+  // by then.
+  for (int attempt = 0; attempt < 16; ++attempt) {
+    const int lock = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+    if (lock < 0) {
+      return system_error(name, "cannot open the lock of the socket", protocol::kUseOwnSocket);
+    }
+    const bool locked = flock(lock, LOCK_EX | LOCK_NB) == 0;
+    const bool held = !locked && errno == EWOULDBLOCK;
+    if (locked && same_file(lock, name)) {
+      if (const int before = std::exchange(lock_, lock); before >= 0) {
+        close(before);
+      }
+      return ok();
+    }
+    close(lock);
+    if (held) {
+      return refuse({Errc::conflict, "socket_in_use"}, path().string(),
+                    "another mauved serves this socket",
+                    std::string("stop it first, or ") + protocol::kUseOwnSocket);
+    }
+  }
+  return refuse({Errc::conflict, "socket_in_use"}, path().string(),
+                "the lock of the socket changes all the time", "start one mauved at a time");
+}
+
+/// Without umask(), which is of the whole process: other threads may make files meanwhile.
+Status Endpoint::bind_and_listen(Way way) {
+  auto& bound = at(way);
+  const auto name = bound.path.string();
+  const auto address = address_of(bound.path);
   if (!address) {
     return address.error();
   }
-  listener_ = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (listener_ < 0) {
-    return system_error(path_.string(), "cannot make a socket");
+  if (bound.listener >= 0) {
+    close(bound.listener);
   }
-  const WithUmask mask(kSocketUmask);
-  if (bind(listener_, reinterpret_cast<const sockaddr*>(&*address), sizeof *address) != 0) {
-    return system_error(path_.string(), "cannot bind the socket",
-                        "its directory must exist and be writable");
+  bound.listener = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (bound.listener < 0) {
+    return system_error(name, "cannot make a socket");
   }
-  bound_ = true;
-  if (listen(listener_, kBacklog) != 0) {
-    return system_error(path_.string(), "cannot listen at the socket");
+  fchmod(bound.listener, S_IRUSR | S_IWUSR);
+  if (bind(bound.listener, reinterpret_cast<const sockaddr*>(&*address), sizeof *address) != 0) {
+    return system_error(name, "cannot bind the socket", "its directory must exist and be writable");
   }
-  return ok();
+  const int file = ::open(name.c_str(), O_PATH | O_NOFOLLOW | O_CLOEXEC);
+  struct stat made {};
+  if (file < 0 || fstat(file, &made) != 0 || !S_ISSOCK(made.st_mode)) {
+    const auto error = system_error(name, "cannot open the socket that was just bound");
+    close(file);
+    return error;
+  }
+  bound.device = made.st_dev;
+  bound.inode = made.st_ino;
+  const auto permitted = set_rights(file, way);
+  close(file);
+  if (!permitted) {
+    return permitted;
+  }
+  return listen(bound.listener, kBacklog) == 0
+             ? ok()
+             : Status(system_error(name, "cannot listen at the socket"));
 }
 
 }  // namespace mauve::server

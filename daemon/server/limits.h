@@ -15,9 +15,9 @@ struct Limits {
   std::size_t clients = 32;
   std::size_t clients_per_uid = 8;
   std::size_t reserved_for_root = 1;  ///< beyond both limits above
-  /// Beyond all: clients that may only stop, one of each uid. Beyond the limit the newest one
-  /// replaces the oldest.
-  std::size_t reserved_for_stop = 8;
+  /// Beyond all: clients that may only stop. One that waits for its answer never loses its place.
+  std::size_t reserved_for_stop = 96;
+  std::size_t stops_per_uid = 32;            ///< of these
   std::size_t in_flight = 8;                 ///< requests of one client; then it is not read
   std::size_t subscriptions = 64;            ///< of one client
   std::size_t unsent_soft = 256 * 1024;      ///< bytes; notifications are dropped from here on

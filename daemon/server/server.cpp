@@ -35,7 +35,9 @@ Server::Server(ServerOptions options, Dispatcher& dispatcher, logging::Log& log)
       dispatcher_(dispatcher),
       log_(log),
       work_(io_.get_executor()),
-      acceptor_(io_),
+      doors_(
+          io_, log_, [this](Protocol::socket socket, Way way) { admit(std::move(socket), way); },
+          [this] { return make_room(); }),
       sweeper_(io_),
       rate_(options_.limits.mutations_per_second),
       context_{
@@ -44,19 +46,10 @@ Server::Server(ServerOptions options, Dispatcher& dispatcher, logging::Log& log)
 
 Server::~Server() { stop(std::chrono::milliseconds(0)); }
 
-Status Server::open(Endpoint endpoint) {
-  endpoint_.emplace(std::move(endpoint));
-  boost::system::error_code error;
-  acceptor_.assign(Protocol(), endpoint_->release_listener(), error);
-  if (error) {
-    return refuse({Errc::system, "socket_failed"}, endpoint_->path().string(), error.message());
-  }
-  log_.write(Event::listening, {{"socket", endpoint_->path().string()}});
-  return ok();
-}
+Status Server::open(Endpoint endpoint) { return doors_.open(std::move(endpoint)); }
 
 void Server::start() {
-  accept();
+  doors_.start();
   thread_ = std::thread([this] {
     begin_thread(ThreadRole::io);
     io_.run();
@@ -69,8 +62,7 @@ void Server::stop(std::chrono::milliseconds grace) {
     auto emptied = empty->get_future();
     asio::post(io_, [this, empty, grace] {
       closing_ = true;
-      boost::system::error_code ignored;
-      acceptor_.close(ignored);
+      doors_.close();
       const auto sessions = sessions_;
       for (const auto& [id, session] : sessions) {
         grace.count() > 0 ? session->finish() : session->end("the daemon ends");
@@ -90,7 +82,7 @@ void Server::stop(std::chrono::milliseconds grace) {
   for (const auto& [id, session] : late) {
     session->end("the daemon ends");
   }
-  endpoint_.reset();
+  doors_.remove();
 }
 
 void Server::post(std::function<void()> job) { asio::post(io_, std::move(job)); }
@@ -104,54 +96,12 @@ std::vector<ClientInfo> Server::clients() const {
   return out;
 }
 
-void Server::accept() {
-  if (closing_ || std::exchange(accepting_, true)) {
-    return;
-  }
-  acceptor_.async_accept([this](const boost::system::error_code& error, Protocol::socket socket) {
-    on_accept(error, std::move(socket));
-  });
-}
-
-void Server::on_accept(const boost::system::error_code& error, Protocol::socket socket) {
-  accepting_ = false;
-  if (closing_ || error == asio::error::operation_aborted) {
-    return;
-  }
-  const bool exhausted = error == asio::error::no_descriptors || error == asio::error::no_memory ||
-                         error == asio::error::no_buffer_space ||
-                         error == boost::system::errc::too_many_files_open_in_system;
-  if (exhausted) {
-    return pause_accept();
-  }
-  if (!error) {
-    resume_accept();
-    admit(std::move(socket));
-  }
-  accept();
-}
-
-/// The listening socket stays readable while no client can be accepted: asking again at once would
-/// spin. sweep() and every session that ends try again.
-void Server::pause_accept() {
-  if (!paused_) {
-    log_.write(Event::accept_paused);
-  }
-  paused_ = true;
-  sweep();
-}
-
-void Server::resume_accept() {
-  if (paused_) {
-    paused_ = false;
-    log_.write(Event::accept_resumed);
-  }
-}
-
 Role Server::role_for(const Peer& peer) {
   const auto role = role_of(peer, options_.roles);
   const auto now = std::chrono::steady_clock::now();
-  if (role != Role::none || !options_.look_again || now - looked_again_ < kLooksAgain) {
+  // The list of groups cannot be read without a descriptor.
+  if (role != Role::none || !options_.look_again || doors_.scarce() ||
+      now - looked_again_ < kLooksAgain) {
     return role;
   }
   looked_again_ = now;
@@ -159,20 +109,23 @@ Role Server::role_for(const Peer& peer) {
   return role_of(peer, options_.roles);
 }
 
-void Server::admit(Protocol::socket socket) {
+void Server::admit(Protocol::socket socket, Way way) {
   auto peer = peer_of(socket.native_handle());
   if (!peer) {
     return;
   }
   const auto role = role_for(*peer);
-  const auto entry = entry_of(*peer, role);
+  const auto since = way == Way::stop  ? kWayOfStops
+                     : doors_.scarce() ? kNoDescriptor
+                                       : std::string_view();
+  const auto entry = entry_for(*peer, role, since, options_.limits, slots());
   if (!entry) {
     return turn_away(std::move(socket), *peer, entry.error());
   }
   if (entry->displaced != 0) {
     displace(entry->displaced, role);
   }
-  Caller caller{next_client_++, std::move(*peer), role, nullptr, entry->only_urgent};
+  Caller caller{next_client_++, std::move(*peer), role, nullptr, entry->only_urgent_since};
   const auto id = caller.client;
   log_.write(Event::client_connected, {{"client", number(id)},
                                        {"uid", number(caller.peer.uid)},
@@ -180,7 +133,7 @@ void Server::admit(Protocol::socket socket) {
                                        {"role", std::string(to_string(role))}});
   {
     const MutexLock lock(clients_mutex_);
-    clients_[id] = {id, caller.peer, role, std::chrono::system_clock::now()};
+    clients_[id] = {id, caller.peer, role, std::chrono::system_clock::now(), caller.only_urgent()};
   }
   auto session = std::make_shared<Session>(std::move(socket), std::move(caller), context_);
   sessions_[id] = session;
@@ -188,83 +141,31 @@ void Server::admit(Protocol::socket socket) {
   sweep();
 }
 
-/// Viewers never keep an operator or admin out, and an operator or admin may stop the machine even
-/// when all connection slots of this user are in use.
-Result<Server::Entry> Server::entry_of(const Peer& peer, Role role) const {
-  if (role == Role::none) {
-    return refuse({Errc::not_permitted, "no_role"}, "uid " + std::to_string(peer.uid),
-                  "this user has no role here",
-                  "ask to be added to a group, then log in again: 'mauve-view' to look, 'mauve' to "
-                  "change");
-  }
-  const auto& limits = options_.limits;
-  const auto extra = peer.uid == 0 ? limits.reserved_for_root : 0;
-  const Occupancy occupancy = occupancy_for(peer.uid);
-  const bool may_stop = role >= Role::operator_;
-  if (occupancy.ordinary_of_uid >= limits.clients_per_uid + extra) {
-    if (may_stop) {
-      return urgent_entry(occupancy);
-    }
-    return refuse({Errc::limit, "too_many_clients"}, "uid " + std::to_string(peer.uid),
-                  "this user has too many connections", "close some; mauvectl list clients");
-  }
-  if (occupancy.ordinary < limits.clients + extra) {
-    return Entry{};
-  }
-  if (const auto displaced = oldest_below(role); displaced != 0) {
-    return Entry{false, displaced};
-  }
-  if (may_stop) {
-    return urgent_entry(occupancy);
-  }
-  return refuse({Errc::limit, "too_many_clients"}, "clients", "too many clients are connected",
-                "close some; operators, admins and root get the slots of viewers");
-}
-
-/// There is always one: that of the user's own client which may only stop, else that of the oldest
-/// one when the reserve is used up. A stop that such a client has sent goes on without it.
-Server::Entry Server::urgent_entry(const Occupancy& occupancy) const {
-  if (occupancy.urgent_of_uid != 0) {
-    return {true, occupancy.urgent_of_uid};
-  }
-  return {true, occupancy.urgent < options_.limits.reserved_for_stop ? 0 : occupancy.oldest_urgent};
-}
-
-Server::Occupancy Server::occupancy_for(uid_t uid) const {
-  Occupancy occupancy;
+std::vector<Slot> Server::slots() const {
+  std::vector<Slot> slots;
   for (const auto& [client, session] : sessions_) {
     const auto& caller = session->caller();
-    const bool same_uid = caller.peer.uid == uid;
-    if (caller.only_urgent) {
-      ++occupancy.urgent;
-      occupancy.oldest_urgent = occupancy.oldest_urgent == 0 ? client : occupancy.oldest_urgent;
-      occupancy.urgent_of_uid = same_uid ? client : occupancy.urgent_of_uid;
-    } else {
-      ++occupancy.ordinary;
-      occupancy.ordinary_of_uid += same_uid ? 1 : 0;
-    }
+    slots.push_back({client, caller.peer.uid, caller.role, caller.only_urgent(), session->idle()});
   }
-  return occupancy;
+  return slots;
 }
 
-/// The oldest client of the lowest role below this one that has an ordinary slot; 0: there is
-/// none.
-std::uint64_t Server::oldest_below(Role role) const {
-  std::uint64_t found = 0;
-  Role lowest = role;
-  for (const auto& [client, session] : sessions_) {
-    if (!session->caller().only_urgent && session->caller().role < lowest) {
-      lowest = session->caller().role;
-      found = client;
-    }
+/// For a client that waits while the process has no descriptor.
+bool Server::make_room() {
+  const auto client = oldest_idle_stop(slots());
+  if (client != 0) {
+    displace(client, Role::operator_);
   }
-  return found;
+  return client != 0;
 }
 
 void Server::displace(std::uint64_t client, Role by) {
-  const auto session = sessions_.at(client);  // end() takes it out of the map
-  session->end("all connection slots were in use, and a client of role " +
-               std::string(to_string(by)) + " got this one");
+  const auto session = sessions_.at(client);  // displace() takes it out of the map
+  session->displace(refuse({Errc::limit, "too_many_clients"},
+                           "uid " + std::to_string(session->caller().peer.uid),
+                           "all connection slots were in use, and a client of role " +
+                               std::string(to_string(by)) + " got this one",
+                           "connect again; mauvectl list clients shows who is connected"));
 }
 
 void Server::turn_away(Protocol::socket socket, const Peer& peer, const Error& why) {
@@ -293,9 +194,7 @@ void Server::on_end(std::uint64_t client, const std::string& reason) {
     const MutexLock lock(clients_mutex_);
     clients_.erase(client);
   }
-  if (paused_) {
-    accept();
-  }
+  doors_.on_client_gone();
 }
 
 /// Runs while there is a session to watch: an idle daemon does not wake up.
@@ -315,10 +214,7 @@ void Server::sweep() {
       session->check_patience(now);
     }
     report_counted_refusals();
-    if (paused_) {
-      accept();
-    }
-    if (paused_ || !sessions_.empty() || !refusals_.empty()) {
+    if (!sessions_.empty() || !refusals_.empty()) {
       sweep();
     }
   });

@@ -12,7 +12,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -20,10 +19,11 @@
 #include "base/mutex.h"
 #include "log/log.h"
 #include "server/dispatcher.h"
-#include "server/endpoint.h"
+#include "server/doors.h"
 #include "server/limits.h"
 #include "server/refusals.h"
 #include "server/session.h"
+#include "server/slots.h"
 
 namespace mauve::server {
 
@@ -33,6 +33,7 @@ struct ClientInfo {
   Peer peer;
   Role role = Role::none;
   std::chrono::system_clock::time_point since;
+  bool only_urgent = false;
 };
 
 struct ServerOptions {
@@ -50,12 +51,12 @@ class Server {
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  /// Takes over the listening socket. Clients that connected to it before have waited. [main]
+  /// Takes over the listening sockets. Clients that connected to them before have waited. [main]
   Status open(Endpoint endpoint);
   /// Starts the [io] thread: clients are served. [main]
   void start();
   /// Lets no one in any more, gives the clients `grace` to take their last answers, then ends the
-  /// [io] thread and removes the socket. The second time does nothing. [main]
+  /// [io] thread and removes the sockets. The second time does nothing. [main]
   void stop(std::chrono::milliseconds grace);
 
   /// [any] Runs `job` on [io].
@@ -66,28 +67,10 @@ class Server {
  private:
   using Protocol = boost::asio::local::stream_protocol;
 
-  void accept();
-  void on_accept(const boost::system::error_code& error, Protocol::socket socket);
-  void pause_accept();
-  void resume_accept();
-  void admit(Protocol::socket socket);
+  void admit(Protocol::socket socket, Way way);
   [[nodiscard]] Role role_for(const Peer& peer);
-  /// How a newcomer is admitted.
-  struct Entry {
-    bool only_urgent = false;
-    std::uint64_t displaced = 0;  ///< the client whose slot it gets; 0: none
-  };
-  struct Occupancy {  ///< of the connection slots, in all and of one user
-    std::size_t ordinary = 0;
-    std::size_t ordinary_of_uid = 0;
-    std::size_t urgent = 0;
-    std::uint64_t oldest_urgent = 0;  ///< client; 0: none
-    std::uint64_t urgent_of_uid = 0;  ///< the same
-  };
-  [[nodiscard]] Occupancy occupancy_for(uid_t uid) const;
-  [[nodiscard]] Result<Entry> entry_of(const Peer& peer, Role role) const;
-  [[nodiscard]] Entry urgent_entry(const Occupancy& occupancy) const;
-  [[nodiscard]] std::uint64_t oldest_below(Role role) const;
+  [[nodiscard]] std::vector<Slot> slots() const;
+  [[nodiscard]] bool make_room();
   void displace(std::uint64_t client, Role by);
   void turn_away(Protocol::socket socket, const Peer& peer, const Error& why);
   void report_counted_refusals();
@@ -98,10 +81,9 @@ class Server {
   std::chrono::steady_clock::time_point looked_again_;  // [io]
   Dispatcher& dispatcher_;
   logging::Log& log_;
-  std::optional<Endpoint> endpoint_;
   boost::asio::io_context io_{1};
   boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_;
-  Protocol::acceptor acceptor_;
+  Doors doors_;
   boost::asio::steady_timer sweeper_;
   RateLimiter rate_;
   Turns turns_{io_};
@@ -109,9 +91,7 @@ class Server {
   SessionContext context_;
   std::map<std::uint64_t, std::shared_ptr<Session>> sessions_;  ///< [io]
   std::uint64_t next_client_ = 1;
-  bool accepting_ = false;
   bool sweeping_ = false;
-  bool paused_ = false;  ///< out of descriptors
   bool closing_ = false;
   mutable Mutex clients_mutex_;
   std::map<std::uint64_t, ClientInfo> clients_

@@ -2,6 +2,7 @@
 #include "server/session.h"
 
 #include <poll.h>
+#include <sys/ioctl.h>
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/post.hpp>
@@ -44,6 +45,14 @@ void Session::start() {
   params["limits"] = {{"line", context_.limits.line},
                       {"depth", protocol::kMaxDepth},
                       {"inflight", context_.limits.in_flight}};
+  if (caller_.only_urgent()) {
+    for (const auto& method : protocol::methods()) {
+      if (method.when_full()) {
+        params["limits"]["only"].push_back(method.name);
+      }
+    }
+    params["limits"]["since"] = caller_.only_urgent_since;
+  }
   answer(protocol::make_notification("hello", std::move(params)));
   read();
 }
@@ -57,6 +66,23 @@ void Session::end(const std::string& reason) {
   caller_.outbox->shut();
   context_.dispatcher.gone(caller_.client);
   context_.on_end(caller_.client, reason);
+}
+
+void Session::displace(const Error& why) {
+  if (!ended_ && sending_.empty()) {  // else the line would stand in the middle of another one
+    const auto line =
+        protocol::to_line(protocol::make_error(nullptr, protocol::fault_of(why))) + '\n';
+    boost::system::error_code ignored;
+    socket_.non_blocking(true, ignored);
+    socket_.send(asio::buffer(line), 0, ignored);
+  }
+  end(why.message);
+}
+
+bool Session::idle() {
+  int unread = 0;  // a request that [io] has not come to yet
+  return answered_ && in_flight_ == 0 && !waits_ && !framer_.partial() && out_bytes_ == 0 &&
+         ioctl(socket_.native_handle(), FIONREAD, &unread) == 0 && unread == 0;
 }
 
 void Session::finish() {
@@ -143,11 +169,12 @@ void Session::dispatch(protocol::Request request) {
   if (method == nullptr) {
     return answer(protocol::make_error(request.id, protocol::unknown_method(request.method)));
   }
-  if (caller_.only_urgent && !method->when_full()) {
-    const auto fault = protocol::fault_of(refuse(
-        {Errc::limit, "too_many_clients"}, "uid " + std::to_string(caller_.peer.uid),
-        "all connection slots are in use, so this connection may only stop, confirm and undo",
-        "close other connections; mauvectl list clients"));
+  if (caller_.only_urgent() && !method->when_full()) {
+    const auto fault = protocol::fault_of(
+        refuse({Errc::limit, "too_many_clients"}, "uid " + std::to_string(caller_.peer.uid),
+               std::string(caller_.only_urgent_since) +
+                   ", so this connection may only stop, confirm and undo",
+               "close other connections; mauvectl list clients"));
     return turn_down(*method, std::move(request), fault);
   }
   // Stopping is never refused for having been asked too often.
@@ -201,6 +228,7 @@ void Session::queue(std::string line) {
   if (unsent() >= context_.limits.unsent_hard) {
     return end("too much unread");
   }
+  answered_ = heard_;
   out_.push_back(std::move(line) + '\n');
   out_bytes_ += out_.back().size();
   write();

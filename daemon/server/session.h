@@ -41,6 +41,10 @@ class Session : public std::enable_shared_from_this<Session> {
   void start();
   /// Disconnects and notifies the server; the second time does nothing.
   void end(const std::string& reason);
+  /// Ends it for another client: a last line has the reason.
+  void displace(const Error& why);
+  /// It has its first answer and asks nothing now: another client may have its place.
+  [[nodiscard]] bool idle();
   /// Ends the session if the client has used up our patience.
   void check_patience(Clock::time_point now);
   /// No request is read any more; ends when all answers are sent.
@@ -85,6 +89,7 @@ class Session : public std::enable_shared_from_this<Session> {
   bool overlong_ = false;
   bool ended_ = false;
   bool heard_ = false;       ///< a first byte came
+  bool answered_ = false;    ///< a first request
   Clock::time_point since_;  ///< last request or answer
   Clock::time_point partial_since_;
   Clock::time_point progress_;  ///< last byte the client took

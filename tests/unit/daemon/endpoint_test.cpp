@@ -6,7 +6,15 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#include <sys/xattr.h>
 #include <unistd.h>
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <map>
+#include <string>
 
 #include "support/raw_client.h"
 #include "support/temp_dir.h"
@@ -31,6 +39,84 @@ TEST(Endpoint, MakesTheSocketForOwnerAndGroupInADirectoryForThem) {
   EXPECT_EQ(mode_of(path), 0660U);
   EXPECT_EQ(mode_of(dir / "run"), 0750U);
   EXPECT_EQ(mode_of(path.string() + ".lock"), 0600U);
+}
+
+TEST(Endpoint, MakesASecondSocketForStops) {
+  const TempDir dir;
+  const auto endpoint = Endpoint::open(dir / "s");
+
+  ASSERT_TRUE(endpoint);
+  EXPECT_EQ(mode_of(dir / "s.stop"), 0660U);
+  EXPECT_TRUE(test::RawClient(dir / "s.stop").connected());
+}
+
+/// One entry of an access list, as acl(5) and the kernel have it.
+struct AclEntry {
+  std::uint16_t tag;
+  std::uint16_t permissions;
+  std::uint32_t id;
+};
+struct Acl {
+  std::uint32_t version;
+  std::array<AclEntry, 5> entries;
+};
+
+/// The entries of the access list of a file, for named groups; none: it has no list.
+std::map<std::uint32_t, unsigned> named_groups(const std::filesystem::path& file) {
+  std::array<char, 512> bytes{};
+  const auto size = getxattr(file.c_str(), "system.posix_acl_access", bytes.data(), bytes.size());
+  std::map<std::uint32_t, unsigned> found;
+  for (std::size_t at = 4; size > 0 && at < static_cast<std::size_t>(size);
+       at += sizeof(AclEntry)) {
+    AclEntry entry{};
+    std::memcpy(&entry, &bytes[at], sizeof entry);
+    if (entry.tag == 0x08) found[entry.id] = entry.permissions;
+  }
+  return found;
+}
+
+TEST(Endpoint, KeepsViewersFromTheSocketForStopsAlsoWhereTheDirectoryHasThemInItsAccessList) {
+  constexpr std::uint32_t kViewers = 50'000;
+  constexpr auto kNobody = static_cast<std::uint32_t>(-1);
+  const TempDir dir;
+  const Acl list{2,
+                 {{{0x01, 6, kNobody},
+                   {0x04, 6, kNobody},
+                   {0x08, 6, kViewers},
+                   {0x10, 6, kNobody},
+                   {0x20, 0, kNobody}}}};
+  if (setxattr(dir.path().c_str(), "system.posix_acl_default", &list, sizeof list, 0) != 0) {
+    GTEST_SKIP() << "NOT TESTED: this file system has no access lists";
+  }
+
+  const auto endpoint = Endpoint::open(dir / "s");
+
+  ASSERT_TRUE(endpoint);
+  EXPECT_EQ(named_groups(dir / "s").count(kViewers), 1U);
+  EXPECT_EQ(mode_of(dir / "s"), 0660U) << "the mask permits what the list says";
+  EXPECT_EQ(named_groups(dir / "s.stop").count(kViewers), 0U);
+  EXPECT_EQ(mode_of(dir / "s.stop"), 0660U);
+}
+
+TEST(Endpoint, HasNoSecondSocketWhereItsNameWouldBeTooLong) {
+  const TempDir dir;
+  const auto room = 107 - dir.path().string().size() - 1;
+  const auto path = dir / std::string(room, 'x');
+
+  const auto endpoint = Endpoint::open(path);
+
+  ASSERT_TRUE(endpoint);
+  EXPECT_TRUE(test::RawClient(path).connected());
+}
+
+TEST(Endpoint, RefusesAStartWhereSomethingElseHasTheNameOfTheSecondSocket) {
+  const TempDir dir;
+  dir.write("s.stop", "precious");
+
+  EXPECT_FALSE(Endpoint::open(dir / "s"));
+
+  EXPECT_EQ(TempDir::read(dir / "s.stop"), "precious");
+  EXPECT_FALSE(std::filesystem::exists(dir / "s")) << "the first one is not left behind";
 }
 
 TEST(Endpoint, RemovesSocketAndLockAtTheEnd) {

@@ -100,8 +100,9 @@ class FakeDispatcher final : public server::Dispatcher {
 /// A server on a socket of its own, for as long as the test lasts.
 struct ServedSocket {
   explicit ServedSocket(server::Limits limits = {}, server::RoleRules rules = {},
-                        std::function<server::RoleRules()> look_again = {})
-      : log(logging::Level::debug) {
+                        std::function<server::RoleRules()> look_again = {},
+                        const std::string& inner = {})
+      : folder(dir / inner), log(logging::Level::debug) {
     log.start();
     rules.own_uid = geteuid();
     server = std::make_unique<server::Server>(
@@ -115,7 +116,8 @@ struct ServedSocket {
     log.stop();
   }
 
-  [[nodiscard]] std::filesystem::path path() const { return dir / "mauved.sock"; }
+  [[nodiscard]] std::filesystem::path path() const { return folder / "mauved.sock"; }
+  [[nodiscard]] std::filesystem::path path_of_stops() const { return folder / "mauved.sock.stop"; }
   /// A client that has read its greeting.
   [[nodiscard]] RawClient client() const {
     RawClient out(path());
@@ -133,6 +135,7 @@ struct ServedSocket {
   }
 
   TempDir dir;
+  std::filesystem::path folder;  ///< of the socket; made by the server
   logging::Log log;
   FakeDispatcher dispatcher;
   std::unique_ptr<server::Server> server;
