@@ -2,13 +2,16 @@
 #include "cli/client.h"
 
 #include <grp.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/time.h>
 #include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstring>
 #include <utility>
 
 #include <boost/asio/io_context.hpp>
@@ -16,6 +19,7 @@
 #include <boost/asio/write.hpp>
 
 #include "protocol/methods.h"
+#include "protocol/socket_path.h"
 
 namespace mauve::ctl {
 namespace {
@@ -50,8 +54,57 @@ Fault cannot_connect(const std::string& path, const error_code& error) {
     message = "there is no socket at " + path + ", so no mauved answers there";
   } else if (error == asio::error::connection_refused) {
     message = "nobody listens on the socket " + path + ", so no mauved answers there";
+  } else if (error == asio::error::try_again || error == asio::error::timed_out) {
+    message = "mauved is there, but so many clients connect that none of them gets in in time";
   }
   return fault_of(protocol::kUnreachable, std::move(message), path, how_to_reach(path));
+}
+
+/// The connected socket, or what went wrong. Waits in the queue of the kernel, where clients that
+/// connect in a loop do not get in front.
+int open_connection(const std::string& path, Client::Deadline deadline, error_code& error) {
+  const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::memcpy(address.sun_path, path.c_str(), path.size() + 1);
+  int rc = -1;
+  do {
+    const auto left = std::chrono::duration_cast<std::chrono::microseconds>(
+        deadline - std::chrono::steady_clock::now());
+    const auto wait = std::max<std::int64_t>(left.count(), 1'000);
+    const timeval limit{wait / 1'000'000, wait % 1'000'000};
+    setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
+    rc = ::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  } while (rc != 0 && errno == EINTR && std::chrono::steady_clock::now() < deadline);
+  if (rc == 0) return fd;
+  error = error_code(errno, boost::system::system_category());
+  if (fd >= 0) ::close(fd);
+  return -1;
+}
+
+/// Whether somebody listens at the socket, without waiting for it.
+bool is_listening(const std::string& path) {
+  const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::memcpy(address.sun_path, path.c_str(), path.size() + 1);
+  const int rc = ::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  const bool listens = rc == 0 || errno == EAGAIN;
+  ::close(fd);
+  return listens;
+}
+
+/// Before anything is believed or sent: an impostor would answer that all components stopped.
+std::optional<Fault> distrust_of_listener(const std::string& path, int socket) {
+  ucred who{};
+  socklen_t size = sizeof who;
+  if (getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &who, &size) != 0) return std::nullopt;
+  if (protocol::may_be_mauved(path, who.uid)) return std::nullopt;
+  return fault_of(refuse({Errc::not_permitted, "listener_not_trusted"}, path,
+                         "a process of user " + std::to_string(who.uid) +
+                             " listens there, who is neither root nor you nor the owner of a "
+                             "directory that only its owner may write: nothing was sent to it",
+                         "name the socket of the right mauved: --socket FILE"));
 }
 
 bool speaks_our_version(const Json& greeting) {
@@ -109,19 +162,29 @@ Client::Client(std::string socket_path, std::chrono::nanoseconds greeting_timeou
 
 Client::~Client() = default;
 
-std::optional<Fault> Client::connect() {
+std::optional<Fault> Client::connect(bool urgent) {
   if (path_.empty() || path_.size() > kLongestPath) {
     return wrong_use(
         "usage_socket_path",
         "the path of a socket has 1 to " + std::to_string(kLongestPath) + " characters", path_);
   }
   const Deadline deadline = std::chrono::steady_clock::now() + greeting_timeout_;
+  const std::string of_stops = path_ + protocol::kStopSuffix;
+  // An older mauved has none, and a user may lack the right to it.
+  if (urgent && of_stops.size() <= kLongestPath && !connect_to(of_stops, deadline)) {
+    return std::nullopt;
+  }
+  return connect_to(path_, deadline);
+}
+
+std::optional<Fault> Client::connect_to(const std::string& path, Deadline deadline) {
   connection_ = std::make_unique<Connection>();
+  greeting_ = Json::object();
   error_code error;
-  connection_->socket.async_connect(asio::local::stream_protocol::endpoint(path_),
-                                    [&](const error_code& result) { error = result; });
-  if (!connection_->finish(deadline)) error = asio::error::timed_out;
-  if (error) return cannot_connect(path_, error);
+  const int fd = open_connection(path, deadline, error);
+  if (fd < 0) return cannot_connect(path_, error);
+  connection_->socket.assign(asio::local::stream_protocol(), fd);
+  if (auto distrust = distrust_of_listener(path, fd)) return distrust;
 
   auto line = read_line(deadline);
   if (auto* text = std::get_if<std::string>(&line)) return accept_greeting(*text);
@@ -185,7 +248,12 @@ std::variant<Notification, Fault> Client::next(Deadline deadline) {
     auto& content = std::get<ServerMessage>(message);
     if (auto* notification = std::get_if<Notification>(&content)) {
       notifications_.push_back(std::move(*notification));
+      continue;
     }
+    // An error without id is about the connection.
+    auto& response = std::get<protocol::Response>(content);
+    auto* fault = std::get_if<Fault>(&response.outcome);
+    if (fault != nullptr && response.id.is_null()) return std::move(*fault);
   }
   Notification first = std::move(notifications_.front());
   notifications_.pop_front();
@@ -235,6 +303,10 @@ std::optional<Fault> Client::send(const std::string& line, Deadline deadline) {
 }
 
 Fault Client::gone() const {
+  if (!greeting_.empty() && is_listening(path_)) {
+    return fault_of(protocol::kUnreachable, "mauved runs, but closed this connection", path_,
+                    "try again; look why: mauvectl logs --level debug");
+  }
   const bool half = connection_->framer.partial();
   return fault_of(protocol::kUnreachable,
                   half ? "mauved went away in the middle of a line" : "mauved went away", path_,

@@ -35,10 +35,11 @@ class Client {
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
-  /// Connects and reads the greeting; may be called again after a fault. Returns nothing on
-  /// success. Otherwise the Fault is unreachable, not_permitted or bad_answer, or the error that
-  /// the server sends in place of its greeting.
-  [[nodiscard]] std::optional<Fault> connect();
+  /// Connects and reads the greeting; may be called again after a fault. `urgent`: for stop,
+  /// confirm and undo; their own socket comes first. Waits for room in the queue of the socket, in
+  /// the order of coming. Returns nothing on success. Otherwise the Fault is unreachable,
+  /// not_permitted or bad_answer, or the error that the server sends in place of its greeting.
+  [[nodiscard]] std::optional<Fault> connect(bool urgent = false);
 
   /// Sends one request and waits for its answer; notifications that come before it are kept for
   /// next(). After a lost connection or a timeout the state after a mutation is "unknown".
@@ -56,6 +57,7 @@ class Client {
  private:
   struct Connection;
 
+  std::optional<Fault> connect_to(const std::string& path, Deadline deadline);
   std::optional<Fault> accept_greeting(std::string_view line);
   std::variant<std::string, Fault> read_line(Deadline deadline);
   std::variant<protocol::ServerMessage, Fault> read_message(Deadline deadline);

@@ -23,10 +23,23 @@ constexpr std::chrono::nanoseconds kQuestion = 5s;
 constexpr std::chrono::nanoseconds kChange = 30s;
 constexpr std::chrono::nanoseconds kLongestWait = 24h;
 constexpr std::chrono::nanoseconds kBetweenTries = 20ms;
+// mauved makes a socket that was removed anew within a second.
+constexpr std::chrono::nanoseconds kSocketIsBack = 1500ms;
 
 bool is_change(std::string_view method) {
   const protocol::Method* known = protocol::find_method(method);
   return known != nullptr && known->mutation();
+}
+
+bool is_urgent(std::string_view method) {
+  const protocol::Method* known = protocol::find_method(method);
+  return known != nullptr && known->mutation() && known->when_full();
+}
+
+/// Done twice, it is as if done once.
+bool is_stop(std::string_view method) {
+  const protocol::Method* known = protocol::find_method(method);
+  return known != nullptr && known->effect == protocol::Effect::stops;
 }
 
 /// Another thread or process makes the answer, for example the process that judges a file.
@@ -80,11 +93,11 @@ Session::Session(const Command& asked_command, Arguments asked_arguments, Global
       client_(globals.socket, std::max(timeout_of(globals.timeout).value_or(kQuestion),
                                        timeout_of(globals.wait).value_or(0ns))) {}
 
-std::optional<Fault> Session::connect() {
+std::optional<Fault> Session::connect(bool urgent) {
   const auto wait = timeout_of(globals.wait);
   const auto end = std::chrono::steady_clock::now() + wait.value_or(0ns);
   while (true) {
-    auto fault = client_.connect();
+    auto fault = client_.connect(urgent);
     if (!fault || !wait || fault->code != protocol::kUnreachable) return fault;
     if (std::chrono::steady_clock::now() >= end) {
       fault->message += "; waited " + globals.wait;
@@ -99,9 +112,11 @@ std::variant<Json, Fault> Session::call(std::string_view method, Json params) {
   if (!changes && (globals.if_generation || !globals.reason.empty())) {
     return changes_nothing(command.name);
   }
-  if (!connected_) {
-    if (auto fault = connect()) return std::move(*fault);
+  const bool urgent = is_urgent(method);
+  if (!urgent && (!connected_ || urgent_)) {
+    if (auto fault = connect(false)) return std::move(*fault);
     connected_ = true;
+    urgent_ = false;
   }
   const bool long_work = changes || is_answered_later(method);
   const auto timeout = timeout_of(globals.timeout).value_or(long_work ? kChange : kQuestion);
@@ -114,9 +129,43 @@ std::variant<Json, Fault> Session::call(std::string_view method, Json params) {
     }
   }
   g_change_awaited = changes ? 1 : 0;
-  auto answer = client_.call(method, params, timeout);
+  auto answer =
+      urgent ? call_urgently(method, params, timeout) : client_.call(method, params, timeout);
   g_change_awaited = 0;
   return answer;
+}
+
+std::variant<Json, Fault> Session::call_urgently(std::string_view method, const Json& params,
+                                                 std::chrono::nanoseconds timeout) {
+  const auto begin = std::chrono::steady_clock::now();
+  std::optional<Fault> lost;  // the request was sent, and nobody knows what became of it
+  while (true) {
+    std::variant<Json, Fault> answer = Json();
+    auto until = begin + timeout;
+    if (auto fault = connected_ ? std::nullopt : connect(true)) {
+      if (fault->code == protocol::kUnreachable) until = std::min(until, begin + kSocketIsBack);
+      const bool again = fault->code == protocol::kUnreachable || fault->id == "too_many_clients";
+      if (!again) return std::move(*fault);
+      answer = std::move(*fault);
+    } else {
+      connected_ = urgent_ = true;
+      answer = client_.call(method, params, until - std::chrono::steady_clock::now());
+      const auto* failed = std::get_if<Fault>(&answer);
+      if (failed == nullptr) return answer;
+      const bool no_answer = failed->code == protocol::kUnreachable;
+      if (no_answer && is_stop(method) && !globals.if_generation) {
+        lost = *failed;
+      } else if (no_answer || failed->id != "too_many_clients") {
+        return answer;
+      }
+      connected_ = false;
+    }
+    if (std::chrono::steady_clock::now() + kBetweenTries >= until) {
+      if (lost) return std::move(*lost);
+      return answer;
+    }
+    std::this_thread::sleep_for(kBetweenTries);
+  }
 }
 
 void Session::print(const Json& value, std::string_view text) {

@@ -23,8 +23,9 @@ class Session {
   const Globals globals;
   Screen screen;
 
-  /// Connects at the first call. A method that changes something also gets if_generation, reason
-  /// and deadline; others are refused with them.
+  /// Connects at the first call. A stop, confirm or undo that finds no room is sent again until
+  /// --timeout, and a stop also when its answer is lost. A method that changes something also gets
+  /// if_generation, reason and deadline; others are refused with them.
   [[nodiscard]] std::variant<Json, Fault> call(std::string_view method, Json params);
   using Deadline = Client::Deadline;
   [[nodiscard]] std::variant<Notification, Fault> next(Deadline deadline = Deadline::max()) {
@@ -45,10 +46,13 @@ class Session {
 
  private:
   /// With --wait again and again until mauved answers or the time is over.
-  std::optional<Fault> connect();
+  std::optional<Fault> connect(bool urgent);
+  std::variant<Json, Fault> call_urgently(std::string_view method, const Json& params,
+                                          std::chrono::nanoseconds timeout);
 
   Client client_;
   bool connected_ = false;
+  bool urgent_ = false;  ///< connected for stop, confirm and undo only
 };
 
 /// A file that cannot be read or written is wrong use.

@@ -1,12 +1,24 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "cli/client.h"
 
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cerrno>
 #include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "protocol/socket_path.h"
+#include "support/foreign_listener.h"
 #include "support/temp_dir.h"
 #include "unit/ctl/fake_server.h"
 
@@ -43,6 +55,77 @@ TEST(Client, AsksAndGetsItsAnswer) {
 
   EXPECT_EQ(client.greeting()["generation"], 41);
   EXPECT_EQ(std::get<Json>(answer), (Json{{"method", "param.get"}, {"address", "a.b"}}));
+}
+
+TEST(Client, WaitsForRoomInTheQueueOfTheSocket) {
+  const test::TempDir folder;
+  const std::string path = folder / "s";
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
+  const auto* generic = reinterpret_cast<const sockaddr*>(&address);
+  const int listener = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  ASSERT_EQ(bind(listener, generic, sizeof address), 0);
+  ASSERT_EQ(listen(listener, 0), 0);
+  std::vector<int> queued;
+  do {
+    queued.push_back(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  } while (connect(queued.back(), generic, sizeof address) == 0);
+  ASSERT_EQ(errno, EAGAIN);
+  std::thread server([&] {
+    std::this_thread::sleep_for(20ms);
+    for (std::size_t i = 0; i < queued.size(); ++i) {
+      queued[i] = accept(listener, nullptr, nullptr);
+      EXPECT_EQ(send(queued[i], kHello.data(), kHello.size(), MSG_NOSIGNAL),
+                static_cast<ssize_t>(kHello.size()));
+    }
+  });
+
+  Client client(path, kPatient);
+  const auto refused = client.connect();
+
+  EXPECT_FALSE(refused) << refused->message;
+  server.join();
+  close(listener);
+}
+
+TEST(Client, BelievesNoOtherUserWhoListensInASharedDirectory) {
+  const test::TempDir folder;
+  std::filesystem::permissions(folder.path(),
+                               std::filesystem::perms::all | std::filesystem::perms::sticky_bit);
+  const auto path = (folder / "s").string();
+  const test::ForeignListener impostor(path, SOCK_STREAM);
+  if (!impostor.listens()) GTEST_SKIP() << "NOT TESTED: only root makes a socket of another user";
+  Client client(path, kPatient);
+
+  const auto fault = client.connect();
+
+  ASSERT_TRUE(fault);
+  EXPECT_EQ(fault->id, "listener_not_trusted");
+  EXPECT_EQ(fault->name, "not_permitted");
+}
+
+TEST(Client, BelievesAnotherUserInADirectoryThatOnlyThatUserMayWrite) {
+  constexpr uid_t kUser = test::ForeignListener::kUser;
+  const test::TempDir folder;  // everybody may write to the directory above it
+  std::string place = "client-test-XXXXXX";
+  ASSERT_NE(mkdtemp(place.data()), nullptr);
+  for (const auto& path : {(folder / "s").string(), place + "/s"}) {
+    EXPECT_TRUE(protocol::may_be_mauved(path, geteuid()));
+    EXPECT_TRUE(protocol::may_be_mauved(path, 0));
+    EXPECT_FALSE(protocol::may_be_mauved(path, kUser)) << "the directory is of this user";
+  }
+
+  const bool given = chown(folder.path().c_str(), kUser, static_cast<gid_t>(-1)) == 0 &&
+                     chown(place.c_str(), kUser, static_cast<gid_t>(-1)) == 0;
+  if (given) {
+    EXPECT_FALSE(protocol::may_be_mauved((folder / "s").string(), kUser));
+    EXPECT_TRUE(protocol::may_be_mauved(place + "/s", kUser));
+    EXPECT_FALSE(protocol::may_be_mauved(place + "/s", kUser + 1));
+  }
+
+  rmdir(place.c_str());
+  if (!given) GTEST_SKIP() << "NOT TESTED: only root gives a directory to another user";
 }
 
 TEST(Client, KeepsNotificationsThatComeBeforeTheAnswer) {

@@ -2,6 +2,7 @@
 /// A server that misbehaves as a test says, on a socket in a folder of its own.
 #pragma once
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <functional>
@@ -67,10 +68,13 @@ class FakeServer {
  public:
   using Script = std::function<void(Peer&)>;
 
-  explicit FakeServer(Script script, int connections = 1)
-      : path_(folder_ / "s"),
+  explicit FakeServer(Script script, int connections = 1, const std::string& name = "s")
+      : path_(folder_ / name),
         acceptor_(io_, boost::asio::local::stream_protocol::endpoint(path_)),
-        thread_([this, script = std::move(script), connections] { serve(script, connections); }) {}
+        thread_([this, script = std::move(script), connections] { serve(script, connections); }) {
+    // A mauvectl that a test starts would listen too.
+    fcntl(acceptor_.native_handle(), F_SETFD, FD_CLOEXEC);
+  }
 
   ~FakeServer() { thread_.join(); }
 
@@ -81,6 +85,7 @@ class FakeServer {
     for (int i = 0; i < connections; ++i) {
       boost::asio::local::stream_protocol::socket socket(io_);
       acceptor_.accept(socket);
+      if (i + 1 == connections) acceptor_.close();
       Peer peer(socket);
       script(peer);
     }
