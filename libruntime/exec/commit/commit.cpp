@@ -81,6 +81,15 @@ Status check_fit_again(System& system, const PreparedChange::Content& content) {
                 "try again; `logs` and `history` show what came between");
 }
 
+/// A component that a user has stopped starts only if a user names it.
+void leave_stopped(System& system, PreparedChange::Content& content) {
+  MAUVE_ON_THREAD(control);
+  for (PreparedMember& member : content.members) {
+    if (stays_stopped(system, content, member)) member.mode = Mode::keep;
+    member.ends_stop = content.ends_stops ? system.stops.newest() : 0;
+  }
+}
+
 }  // namespace
 
 Commit::Commit(System& system, Content content, TwoPhaseCommit::Kind kind, Duration longest_job)
@@ -97,6 +106,7 @@ Commit::Commit(System& system, Content content, TwoPhaseCommit::Kind kind, Durat
     rollback_ = std::make_shared<Rollback>();
     back_number_ = ++system_.changes;
   }
+  leave_stopped(system_, *content_);
   hold_members();
   if (barrier_ == nullptr) {
     publish(kind, longest_job);

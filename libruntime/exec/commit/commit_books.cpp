@@ -2,6 +2,7 @@
 /// The books of a commit: the model shows the bundles that the members run, and the bundles from
 /// before are retired.
 #include <utility>
+#include <vector>
 
 #include "exec/admission/membership.h"
 #include "exec/admission/timing_model.h"
@@ -23,6 +24,18 @@ std::uint64_t make_generation(System& system, bool by_stop) {
   ++system.generation;
   if (by_stop) system.stopped = system.generation;
   return system.generation;
+}
+
+/// A user started these components: older stops of theirs are over.
+void end_stops(System& system, const PreparedChange::Content& content,
+               const std::vector<Member>& swapped) {
+  if (!content.ends_stops) return;
+  for (std::size_t i = 0; i < swapped.size(); ++i) {
+    const PreparedMember& member = content.members[i];
+    if (member.mode != Mode::run || !swapped[i].in_force) continue;
+    system.stops.start(member.component->name(), member.ends_stop);
+  }
+  system.obey_stops();
 }
 
 }  // namespace
@@ -141,6 +154,7 @@ void Commit::conclude() {
     barrier_->end();
   }
   if (!whole && rollback_ != nullptr) return trigger_rollback();
+  end_stops(system_, *content_, swap_->members());
   receipt_.generation =
       content_->step ? system_.generation : make_generation(system_, is_unconditional());
   system_.newest = weak_from_this();

@@ -29,6 +29,7 @@ void write_for_tasks_without_thread(System& system) {
 /// comes.
 void advance(System& system) {
   system.looks.fetch_add(1);
+  if (system.stops_obeyed != system.stops.revision()) system.obey_stops();
   if (system.stands_still > 0) return;
   write_for_tasks_without_thread(system);
   if (const ModelLock::Hold hold(system.model, std::try_to_lock); hold) look_after_itself(system);

@@ -69,7 +69,8 @@ void release_all(System& system) {
   if (system.realtime) boost.emplace(kDeployerPriority);
   system.t0 = system.runner->now() + system.runner->lead(system.deployed.size()).count();
   for (Deployed& deployed : system.deployed) {
-    deployed.task->begin(first_bundle(*deployed.component, Mode::run), system.t0);
+    const Mode mode = system.may_run(deployed.component->name()) ? Mode::run : Mode::park;
+    deployed.task->begin(first_bundle(*deployed.component, mode), system.t0);
   }
   system.runner->open();
 }

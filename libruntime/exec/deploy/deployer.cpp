@@ -193,18 +193,17 @@ Status Deployer::confirm() {
                     " is off probation, so there is nothing to confirm");
 }
 
-Status Deployer::undo(const std::string& reason, std::uint64_t generation) {
-  exec::advance(*system_);
+// The undo takes back what a user was shown: nothing takes the system further in between.
+Status Deployer::undo(const std::string& reason, const std::vector<std::uint64_t>& shown) {
+  if (shown.empty()) exec::advance(*system_);
   const auto& all = system_->probations;
   const auto undone = std::find_if(all.rbegin(), all.rend(), [&](const auto& one) {
-    const auto& made = one->generations();
-    const bool meant =
-        generation == 0 || std::find(made.begin(), made.end(), generation) != made.end();
+    const bool meant = shown.empty() || one->generations() == shown;
     return meant && one->open() && one->undo(reason);
   });
   if (undone != all.rend()) return ok();
   return refuse({Errc::wrong_state, "nothing_to_undo"}, {},
-                "generation " + std::to_string(generation == 0 ? this->generation() : generation) +
+                "generation " + std::to_string(shown.empty() ? generation() : shown.back()) +
                     " is off probation, so there is nothing to undo",
                 "roll back to a saved generation");
 }
@@ -249,6 +248,7 @@ void Deployer::stand_by(PreparedChange& standby) {
 
 Result<Receipt> Deployer::start(const std::vector<std::string>& components, bool reset) {
   Change change;
+  change.ends_stops = true;
   for (const std::string& name : components) {
     const Result<ComponentBase*> component = system_->component(name);
     if (!component) return component.error();
@@ -265,22 +265,13 @@ Result<Receipt> Deployer::start(const std::vector<std::string>& components, bool
   return apply(change);
 }
 
-Result<std::shared_ptr<Ongoing>> Deployer::begin_stop(const std::vector<std::string>& components) {
-  if (Status outside = refuse_in_job("deployer", "stop()"); !outside) return outside.error();
-  exec::Stages stages(1);
-  for (const std::string& name : components) {
-    const Result<ComponentBase*> component = system_->component(name);
-    if (!component) return component.error();
-    if (system_->up) stages.front().push_back(system_->find(name));
-  }
-  return std::shared_ptr<Ongoing>(
-      std::make_shared<exec::Stop>(*system_, std::move(stages), exec::kLongestJob));
+Result<std::shared_ptr<Ongoing>> Deployer::begin_stop(const std::vector<std::string>& components,
+                                                      const UserStop& by) {
+  return exec::begin_stop(*system_, components, by);
 }
 
-std::shared_ptr<Ongoing> Deployer::begin_stop_all(Duration bound) {
-  for (const auto& one : system_->probations) one->keep_parked();
-  return std::make_shared<exec::Stop>(*system_, exec::in_order_of_safe_values(*system_),
-                                      exec::patience_within(bound));
+std::shared_ptr<Ongoing> Deployer::begin_stop_all(Duration bound, const UserStop& by) {
+  return exec::begin_stop_all(*system_, bound, by);
 }
 
 std::unique_ptr<DirectStop> Deployer::begin_direct_stop(

@@ -126,6 +126,7 @@ Result<std::shared_ptr<Ongoing>> begin_in_place_resume(System& system, PreparedC
   if (!member.restores && state_of(system, *member.component) == ComponentState::faulted) {
     member.resume = false;  // it failed before it was parked
   }
+  member.resume = member.resume && system.may_run(member.component->name());
   const Mode mode = member.resume ? Mode::run : Mode::keep;
   if (!exchanged) {
     const bool old_is_usable = member.component->bundle()->core->configured();

@@ -6,9 +6,11 @@
 #include <utility>
 
 #include "exec/commit/under_way.h"
+#include "exec/deploy/shutdown.h"
 #include "exec/system/report_control.h"
 #include "exec/task/safe_values.h"
 
+#include <mauve/detail/job.h>
 #include <mauve/host/receipt.h>
 #include <mauve/host/resource.h>
 #include <mauve/service.h>
@@ -85,6 +87,27 @@ Stages in_order_of_safe_values(System& system) {
     stages[number].push_back(&deployed);
   }
   return stages;
+}
+
+Result<std::shared_ptr<Ongoing>> begin_stop(System& system,
+                                            const std::vector<std::string>& components,
+                                            UserStop by) {
+  if (Status outside = refuse_in_job("deployer", "stop()"); !outside) return outside.error();
+  Stages stages(1);
+  for (const std::string& name : components) {
+    const Result<ComponentBase*> component = system.component(name);
+    if (!component) return component.error();
+    if (system.up) stages.front().push_back(system.find(name));
+  }
+  for (const std::string& name : components) system.stops.stop(name, by);
+  system.obey_stops();
+  return std::shared_ptr<Ongoing>(std::make_shared<Stop>(system, std::move(stages), kLongestJob));
+}
+
+std::shared_ptr<Ongoing> begin_stop_all(System& system, Duration bound, UserStop by) {
+  system.stops.stop_all(std::move(by));
+  system.obey_stops();
+  return std::make_shared<Stop>(system, in_order_of_safe_values(system), patience_within(bound));
 }
 
 Stop::Stop(System& system, Stages stages, Duration patience)

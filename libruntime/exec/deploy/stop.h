@@ -17,6 +17,11 @@ namespace mauve::exec {
 /// Components that may park at the same time; a stage begins when the one before has ended.
 using Stages = std::vector<std::vector<Deployed*>>;
 
+/// Stops components for a user. The stop stands from this call on, also against a change under way.
+[[nodiscard]] Result<std::shared_ptr<Ongoing>> begin_stop(
+    System& system, const std::vector<std::string>& components, UserStop by);
+[[nodiscard]] std::shared_ptr<Ongoing> begin_stop_all(System& system, Duration bound, UserStop by);
+
 /// Components that write safe values stop before those that read them.
 [[nodiscard]] Stages in_order_of_safe_values(System& system);
 

@@ -90,6 +90,7 @@ class Preparation {
     content_->sets = set_by(change_);
     content_->probation = change_.probation;
     content_->changes_rules = change_.changes_rules;
+    content_->ends_stops = change_.ends_stops;
     content_->in_place = !configure;
     if (change_.sync == Sync::barrier) content_->barrier.emplace();
     for (const auto step : {&Preparation::let_leave, &Preparation::let_resources_join,

@@ -281,6 +281,11 @@ std::vector<std::string> notes_of(const System& system, const Content& change) {
   MAUVE_ON_THREAD(control);
   std::vector<std::string> notes;
   for (const PreparedMember& one : change.members) {
+    if (stays_stopped(system, change, one)) {
+      notes.push_back(one.component->name() +
+                      " stays stopped: a user stopped it, and only a start of it by a user ends "
+                      "that");
+    }
     note_unexamined(one.component->name(), *one.base->core, *one.next->core, one.state, notes);
     note_fresh(one.component->name(), *one.base->core, *one.next->core, one.state, notes);
   }

@@ -208,19 +208,6 @@ OpenProbation ProbationPeriod::look() const {
   return open;
 }
 
-/// The rollback is out of the mailbox meanwhile; the task is parked, so it misses nothing.
-void ProbationPeriod::keep_parked() {
-  for (std::size_t i = 0; i < content_->members.size(); ++i) {
-    Task& task = *members_[i].deployed->task;
-    TaskUpdate* const back = members_[i].back;
-    if (content_->members[i].part != Part::leaves || !task.mailbox().claim_rollback(*back))
-      continue;
-    back->mode = Mode::park;
-    task.mailbox().publish_rollback(*back);
-    system_.runner->wake(task);
-  }
-}
-
 /// Takes the rollbacks out of the mailboxes; each is freed after the next quiescent point of its
 /// task.
 void ProbationPeriod::withdraw() {

@@ -63,8 +63,6 @@ class ProbationPeriod {
   [[nodiscard]] const std::shared_ptr<Rollback>& rollback() const { return rollback_; }
   /// False: it is over, or being rolled back already.
   bool undo(const std::string& reason);
-  /// Everything stops: a component that a rollback brings back does not start again.
-  void keep_parked();
   /// Lets the end go unreported: the change is not in force everywhere, so it never made a
   /// generation.
   void go_quietly() { quiet_ = true; }

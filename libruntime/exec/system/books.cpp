@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "exec/system/prepared.h"
 #include "model/element/hand_over.h"
 #include "model/element/state_transfer.h"
 
@@ -16,6 +17,13 @@
 #include <mauve/host/receipt.h>
 
 namespace mauve::exec {
+
+bool stays_stopped(const System& system, const PreparedChange::Content& change,
+                   const PreparedMember& member) {
+  MAUVE_ON_THREAD(control);
+  return member.mode == Mode::run && !change.ends_stops &&
+         !system.may_run(member.component->name());
+}
 
 Error being_rolled_back(std::uint64_t generation) {
   return refuse({Errc::conflict, "rollback_under_way"}, "generation " + std::to_string(generation),

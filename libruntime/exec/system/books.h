@@ -24,6 +24,11 @@ struct NewFallback;
 
 namespace mauve::exec {
 
+/// Would the change start the member, although a user has stopped it? Then it stays stopped.
+/// [control]
+[[nodiscard]] bool stays_stopped(const System& system, const PreparedChange::Content& change,
+                                 const PreparedMember& member);
+
 [[nodiscard]] Error being_rolled_back(std::uint64_t generation);
 
 /// The elements of `old` that `now` does not use, in the order of dependency.

@@ -94,6 +94,7 @@ std::unique_ptr<TaskUpdate> make_update(const PreparedMember& member) {
   next->bundle = member.next;
   next->prefetch_set = std::make_shared<const PrefetchSet>(*member.next);
   next->mode = member.mode;
+  next->ends_stop = member.ends_stop;
   next->mode_only = member.next == member.base && member.part != Part::joins;
   next->ends_fault =
       member.mode == Mode::park && member.part == Part::changes && !member.keeps_fault;

@@ -50,8 +50,9 @@ struct PreparedMember {
   StatePolicy state = StatePolicy::keep;
   bool restart = false;
   bool count_gap = false;
-  bool resume = false;       ///< in place: it ran before it was parked
-  bool keeps_fault = false;  ///< in place: one that fails before it is parked stays faulted
+  std::uint64_t ends_stop = 0;  ///< it starts, although this stop by a user and older ones stand
+  bool resume = false;          ///< in place: it ran before it was parked
+  bool keeps_fault = false;     ///< in place: one that fails before it is parked stays faulted
   bool restores = false;  ///< in place: back to the core before, so a faulted component runs again
   Retired made;           ///< its new elements, cleaned up and freed unless they get in force
   /// The standby core that takes over when `next` fails, from its first job on; null: none.
@@ -120,6 +121,7 @@ class PreparedChange::Content {
   std::vector<std::string> sets;  ///< addresses of properties that it sets
   std::optional<Probation> probation;
   bool changes_rules = false;  ///< see Change
+  bool ends_stops = false;     ///< see Change
   bool in_place = false;       ///< elements in force are cleaned up before those that come are used
   bool step = false;           ///< of a change whose last step makes the generation
   std::vector<NewFallback> fallbacks;

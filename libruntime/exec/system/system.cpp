@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/name.h"
+#include "base/thread_role.h"
 #include "exec/run/threads.h"
 
 #include <mauve/host/architecture.h>
@@ -14,7 +15,11 @@
 namespace mauve::exec {
 
 std::shared_ptr<Task> new_task(const System& system, const ComponentBase& component) {
-  return std::make_shared<Task>(component.name(), system.runner->clock(), system.runner->noise());
+  auto task =
+      std::make_shared<Task>(component.name(), system.runner->clock(), system.runner->noise());
+  const UserStop* const stop = system.stops.of(component.name());
+  task->mailbox().forbid_start(stop == nullptr ? 0 : stop->number);
+  return task;
 }
 
 Status start_thread(System& system, Deployed& deployed) {
@@ -34,7 +39,10 @@ std::unique_ptr<Runner> make_runner(const DeployOptions& options) {
 }
 
 System::System(Architecture& its_architecture, DeployOptions its_options)
-    : architecture(its_architecture), options(its_options), runner(make_runner(options)) {}
+    : architecture(its_architecture),
+      options(its_options),
+      runner(make_runner(options)),
+      stops(options.stops == nullptr ? own_stops_ : *options.stops) {}
 System::~System() = default;
 
 Deployed* System::find(std::string_view component) {
@@ -49,6 +57,16 @@ Deployed* System::find(const ComponentBase& component) {
     if (candidate.component == &component) return &candidate;
   }
   return nullptr;
+}
+
+/// Also the tasks of components that left with a change on probation, and may come back.
+void System::obey_stops() {
+  MAUVE_ON_THREAD(control);
+  stops_obeyed = stops.revision();
+  for (Deployed& one : deployed) {
+    const UserStop* const stop = stops.of(one.task->name());
+    one.task->mailbox().forbid_start(stop == nullptr ? 0 : stop->number);
+  }
 }
 
 void System::forget_departed() {

@@ -22,6 +22,7 @@
 #include <mauve/host/prepared_change.h>
 #include <mauve/host/report.h>
 #include <mauve/host/retired.h>
+#include <mauve/host/user_stops.h>
 #include <mauve/result.h>
 
 namespace mauve {
@@ -74,6 +75,8 @@ class Commit;
 class ProbationPeriod;
 
 class System {
+  UserStops own_stops_;
+
  public:
   System(Architecture& its_architecture, DeployOptions its_options);
   ~System();
@@ -81,6 +84,8 @@ class System {
   Architecture& architecture;
   const DeployOptions options;
   std::shared_ptr<Runner> runner;
+  UserStops& stops;                ///< [control]
+  std::uint64_t stops_obeyed = 0;  ///< their revision that the tasks know
   /// Addresses stay. Changed by [control] under `members`, since [log] goes through it too.
   std::list<Deployed> deployed;
   /// The components that were let go. A holder of this list may still refer to one of them; it is
@@ -120,6 +125,12 @@ class System {
   [[nodiscard]] Deployed* find(std::string_view component);
   /// Also one that is hidden.
   [[nodiscard]] Deployed* find(const ComponentBase& component);
+  /// No stop by a user stands. [control]
+  [[nodiscard]] bool may_run(std::string_view component) const {
+    return stops.of(component) == nullptr;
+  }
+  /// From here on each task knows the stop that stands against it.
+  void obey_stops();
   /// Departed elements to which nothing refers any more go to `retired`.
   void forget_departed();
   /// The component of this name, or an error with the nearest one.

@@ -302,7 +302,7 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::rearm(const TaskUpdate& next, bool was_runni
   if (next.mode == Mode::park) {
     const bool faulted = task_.report.counters().state.load() == ComponentState::faulted;
     if (was_running || (faulted && next.ends_fault)) task_.park(ComponentState::stopped);
-  } else if (next.mode == Mode::run && !was_running) {
+  } else if (next.mode == Mode::run && !was_running && next.ends_stop >= task_.mailbox.stop()) {
     start(next);
   } else if (task_.running) {
     keep_phase(next);

@@ -53,6 +53,10 @@ class Mailbox {
   void halt() { halted_.store(true, std::memory_order_release); }
   void end_halt() { halted_.store(false, std::memory_order_release); }
   [[nodiscard]] bool halted() const { return halted_.load(std::memory_order_acquire); }
+  /// The number of the stop by a user that stands; 0: none. No update starts the task but one that
+  /// ends this stop, whatever the way: a change, a rollback, a swap in place.
+  void forbid_start(std::uint64_t stop) { stop_.store(stop, std::memory_order_release); }
+  [[nodiscard]] std::uint64_t stop() const { return stop_.load(std::memory_order_acquire); }
   [[nodiscard]] bool on_probation() const {
     return back_.load(std::memory_order_relaxed) != nullptr;
   }
@@ -87,6 +91,7 @@ class Mailbox {
 
   alignas(rt::kCacheLine) std::atomic<TaskUpdate*> pending_{nullptr};
   std::atomic<bool> halted_{false};  // beside the slot that the thread reads in each boundary
+  std::atomic<std::uint64_t> stop_{0};
   alignas(rt::kCacheLine) std::atomic<TaskUpdate*> unused_{nullptr};
   alignas(rt::kCacheLine) std::atomic<std::uint32_t> wake_word_{0};
   alignas(rt::kCacheLine) std::atomic<TaskUpdate*> back_{nullptr};  // while on probation

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "exec/update/task_update.h"
+#include "rt/guardian/guarded_outputs.h"
 #include "rt/process/cache.h"
 
 #include <mauve/fsm.h>
@@ -23,16 +24,21 @@ const Clock* simulated(const Clock& clock) {
 TaskContext::TaskContext(std::string name, const Clock& its_clock,
                          std::shared_ptr<const rt::Noise> noise)
     : clock(its_clock),
+      guarded_key(rt::guarded_key(name)),
       report(std::move(name), clock, simulated(clock)),
       meter(simulated(clock), std::move(noise)) {}
 
-TaskContext::~TaskContext() { delete current; }
+TaskContext::~TaskContext() {
+  rt::GuardedOutputs::of_process().forget(report.counters().state);
+  delete current;
+}
 
 void TaskContext::park(ComponentState as) {
   running = false;
   failed.forget();
   parked_at = clock.now();
   report.counters().state.store(as, std::memory_order_release);
+  rt::send_safe_orders(guarded_key, report.counters().state);
   if (as != ComponentState::stopped) return;
   report.record(TraceKind::stopped, parked_at, parked_at - t0);
   report.note(rt::EventKind::stopped, LogLevel::info, parked_at - t0);

@@ -34,6 +34,7 @@ struct TaskContext {
   TaskContext& operator=(const TaskContext&) = delete;
 
   const Clock& clock;
+  const std::uint64_t guarded_key;  ///< of its safe orders (rt/guardian/guarded_outputs.h)
   TaskReport report;
   Mailbox mailbox;
   JobWatch watch;

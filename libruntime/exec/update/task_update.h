@@ -44,9 +44,10 @@ struct TaskUpdate {
   /// Of the change, see System::changes; 0: of a standby core, or of the first bundle of the task.
   std::uint64_t number = 0;
   Mode mode = Mode::keep;
-  bool mode_only = false;   ///< the task keeps the bundle that it has, and ignores `bundle`
-  bool ends_fault = false;  ///< a stop: from here on a faulted component is stopped
-  bool restart = false;     ///< begin at the initial state, on the next instant of the grid
+  std::uint64_t ends_stop = 0;  ///< it starts the task unless a newer stop by a user stands
+  bool mode_only = false;       ///< the task keeps the bundle that it has, and ignores `bundle`
+  bool ends_fault = false;      ///< a stop: from here on a faulted component is stopped
+  bool restart = false;         ///< begin at the initial state, on the next instant of the grid
   bool offset_changes = false;
   bool other_core = false;       ///< other code: measured times do not hold for it
   bool has_safe_values = false;  ///< of the bundle, on connected ports

@@ -89,6 +89,9 @@ struct Change {
   /// Something outside of the runtime changes with it, for instance rules: a change that is empty
   /// otherwise makes a generation too, and may be on probation.
   bool changes_rules = false;
+  /// A user names the components that it starts: their stops end when it is in force. Else a
+  /// component that a user has stopped stays stopped, whatever `mode` says.
+  bool ends_stops = false;
   /// The generation that the change was made from: prepare() refuses the change when another one is
   /// in force, for example after a rollback. None: made from the change alone.
   std::optional<std::uint64_t> made_from = {};

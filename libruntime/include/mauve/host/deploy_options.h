@@ -9,6 +9,8 @@
 
 namespace mauve {
 
+class UserStops;
+
 /// The reaction when the process may not use SCHED_FIFO or lock memory.
 enum class Realtime : std::uint8_t {
   require,  ///< refuse to deploy
@@ -44,6 +46,9 @@ struct DeployOptions {
   /// May change: a core that stands by already is withdrawn at the next look. Null: each may stand
   /// by. It outlives the deployer.
   const CoresKeptOut* kept_out = nullptr;
+  /// The stops of users, also of before the deployment: they stand. The list outlives the deployer,
+  /// which adds its own stops. Null: the deployer has a list of its own.
+  UserStops* stops = nullptr;
 };
 
 }  // namespace mauve

@@ -28,6 +28,7 @@
 #include <mauve/host/retired.h>
 #include <mauve/host/statistics.h>
 #include <mauve/host/timing.h>
+#include <mauve/host/user_stops.h>
 #include <mauve/trace.h>
 
 namespace mauve {
@@ -100,8 +101,10 @@ class Deployer {
   /// All changes on probation are good: their old bundles may go. Refused when there is none.
   Status confirm();
   /// Back to before a change on probation, and those it joined, at the next releases of all their
-  /// members. tend() reports the end. `generation`: one that the change made; 0: the newest change.
-  Status undo(const std::string& reason = "undone by request", std::uint64_t generation = 0);
+  /// members. tend() reports the end. `shown`: the generations of one of probations(), which is
+  /// refused when a newer change has joined it since; none: the newest change, whichever it is.
+  Status undo(const std::string& reason = "undone by request",
+              const std::vector<std::uint64_t>& shown = {});
   [[nodiscard]] bool on_probation() const;  ///< some change is
   /// A rollback was triggered, but some member is not back yet.
   [[nodiscard]] bool going_back() const;
@@ -131,15 +134,18 @@ class Deployer {
   /// Shorthands for apply().
   Result<Receipt> start(const std::vector<std::string>& components, bool reset = false);
   /// Components park at the end of their job. One that does not end it gets its safe values
-  /// written on its behalf, and parks as soon as it does: Errc::partly.
+  /// written on its behalf, and parks as soon as it does: Errc::partly. From the call on nothing
+  /// starts them but start(), or a change that ends stops: see UserStops.
   Result<Receipt> stop(const std::vector<std::string>& components);
   /// As stop(), in steps: see Ongoing.
-  Result<std::shared_ptr<Ongoing>> begin_stop(const std::vector<std::string>& components);
+  Result<std::shared_ptr<Ongoing>> begin_stop(const std::vector<std::string>& components,
+                                              const UserStop& by = {});
   /// Stops all components, writers of safe values before their readers, so that a driver still acts
   /// on them. A component that hangs does not hold up the rest.
   Result<Receipt> stop_all(Duration bound = 2s);
   /// As stop_all(), in steps: see Ongoing.
-  [[nodiscard]] std::shared_ptr<Ongoing> begin_stop_all(Duration bound = 2s);
+  [[nodiscard]] std::shared_ptr<Ongoing> begin_stop_all(Duration bound = 2s,
+                                                        const UserStop& by = {});
   /// For when [control] is held up. These components (none: all) park at the end of their job with
   /// their safe values written; a job may take 2 s more. They stay parked through all changes of
   /// [control], until a stop of the same ones has begun there, or end_direct_stop(). An unknown

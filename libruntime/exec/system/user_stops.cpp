@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <mauve/host/user_stops.h>
+
+#include <utility>
+
+namespace mauve {
+
+void UserStops::stop(const std::string& component, UserStop stop) {
+  stop.number = ++newest_;
+  named_[component] = std::move(stop);
+  ++revision_;
+}
+
+void UserStops::stop_all(UserStop stop) {
+  stop.number = ++newest_;
+  all_ = std::move(stop);
+  named_.clear();
+  started_.clear();
+  ++revision_;
+}
+
+void UserStops::start(const std::string& component, std::uint64_t known) {
+  const auto found = named_.find(component);
+  if (found != named_.end() && found->second.number <= known) named_.erase(found);
+  if (all_ && all_->number <= known) started_.insert(component);
+  ++revision_;
+}
+
+void UserStops::start_all(std::uint64_t known) {
+  std::erase_if(named_, [known](const auto& one) { return one.second.number <= known; });
+  if (all_ && all_->number <= known) {
+    all_.reset();
+    started_.clear();
+  }
+  ++revision_;
+}
+
+const UserStop* UserStops::of(std::string_view component) const {
+  const auto found = named_.find(component);
+  if (found != named_.end()) return &found->second;
+  return all_ && !started_.contains(component) ? &*all_ : nullptr;
+}
+
+}  // namespace mauve
