@@ -51,7 +51,7 @@ class Builder {
   Builder(const Spec& spec, const plugin::Catalog& catalog, Problems& problems)
       : spec_(spec), catalog_(catalog), problems_(problems), resolver_(spec, catalog, problems) {}
 
-  std::unique_ptr<Architecture> run(rules::Supervision* supervision) {
+  std::unique_ptr<Architecture> run(rules::Supervision* supervision, LostNames lost) {
     for (const ResourceSpec& resource : spec_.resources) make(resource);
     for (const ComponentSpec& component : spec_.components) make(component);
     for (const auto& [spec, resource] : resources_) connect(*spec, resource);
@@ -59,7 +59,9 @@ class Builder {
     for (auto& [spec, shell] : loose_) connect(*spec, shell.made() ? &shell : nullptr);
     check_cycles();
     check_writers();
-    auto checked = check_rules(spec_, *architecture_, catalog_, problems_);
+    Problems lost_names;
+    auto& on_rules = lost == LostNames::kept && problems_.empty() ? lost_names : problems_;
+    auto checked = check_rules(spec_, *architecture_, catalog_, on_rules);
     if (supervision != nullptr) *supervision = std::move(checked);
     return problems_.empty() ? std::move(architecture_) : nullptr;
   }
@@ -261,8 +263,9 @@ class Builder {
 }  // namespace
 
 std::unique_ptr<Architecture> build(const Spec& spec, const plugin::Catalog& catalog,
-                                    Problems& problems, rules::Supervision* supervision) {
-  return Builder(spec, catalog, problems).run(supervision);
+                                    Problems& problems, rules::Supervision* supervision,
+                                    LostNames lost) {
+  return Builder(spec, catalog, problems).run(supervision, lost);
 }
 
 }  // namespace mauve::arch

@@ -2,10 +2,13 @@
 #include "arch/build/check_rules.h"
 
 #include <algorithm>
+#include <iterator>
 #include <string>
 #include <utility>
 
 #include "arch/build/check_steps.h"
+#include "arch/build/lost_names.h"
+#include "arch/build/shared_devices.h"
 #include "arch/parse/built_in.h"
 #include "arch/parse/quantity.h"
 #include "arch/parse/target.h"
@@ -189,7 +192,8 @@ void add_notes(const std::string& at, const rules::Steps& steps, const Architect
 std::vector<Wiring::Note> notes_on(const rules::Supervision& supervision,
                                    const Architecture& architecture,
                                    const plugin::Catalog& catalog) {
-  std::vector<Wiring::Note> notes;
+  std::vector<Wiring::Note> notes = shared_devices(architecture);
+  std::ranges::move(lost_names(supervision, architecture, catalog), std::back_inserter(notes));
   for (const auto& [name, steps] : supervision.transactions) {
     add_notes("transactions." + name, steps, architecture, catalog, notes);
   }

@@ -27,9 +27,10 @@ namespace mauve::arch {
 [[nodiscard]] rules::Supervision check_rules(const Spec& spec, const Architecture& architecture,
                                              const plugin::Catalog& catalog, Problems& problems);
 
-/// Transactions that are refused when they fire while the system is as the architecture has it.
-/// They would let a second port write into an output that takes one, or the state of a core would
-/// be lost. Runs constructors of plugins. [control] or [factory]
+/// Components that name one device (shared_devices()). Rules and transactions without an effect
+/// while the system is as the architecture has it. They name an element or value that it lacks
+/// (lost_names()), would let a second port write into an output, or would lose the state of a core.
+/// Runs constructors of plugins. [control] or [factory]
 [[nodiscard]] std::vector<Wiring::Note> notes_on(const rules::Supervision& supervision,
                                                  const Architecture& architecture,
                                                  const plugin::Catalog& catalog);

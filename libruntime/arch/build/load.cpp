@@ -69,11 +69,12 @@ void load_plugins(const Spec& spec, plugin::Catalog& catalog, Problems& problems
 }
 
 std::unique_ptr<Architecture> load(std::string_view text, plugin::Catalog& catalog,
-                                   Problems& problems, rules::Supervision* supervision) {
+                                   Problems& problems, rules::Supervision* supervision,
+                                   LostNames lost) {
   const std::optional<Spec> spec = parse(text, problems);
   if (!spec) return nullptr;
   load_plugins(*spec, catalog, problems);
-  return build(*spec, catalog, problems, supervision);
+  return build(*spec, catalog, problems, supervision, lost);
 }
 
 }  // namespace mauve::arch

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "arch/build/build.h"
 #include "arch/parse/spec.h"
 #include "arch/text/problem.h"
 #include "plugin/load/trust.h"
@@ -31,9 +32,10 @@ void load_plugins(const Spec& spec, plugin::Catalog& catalog, Problems& problems
 
 /// Parses the file, loads its plugins and builds the architecture, of which only the state machines
 /// are configured. The problems of all three steps are reported together, and the result is then
-/// null. The rules of the file go to `supervision`, when that is given.
+/// null. The rules of the file go to `supervision`, when that is given. `lost`: see build().
 [[nodiscard]] std::unique_ptr<Architecture> load(std::string_view text, plugin::Catalog& catalog,
                                                  Problems& problems,
-                                                 rules::Supervision* supervision = nullptr);
+                                                 rules::Supervision* supervision = nullptr,
+                                                 LostNames lost = LostNames::refused);
 
 }  // namespace mauve::arch
