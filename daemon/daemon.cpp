@@ -14,6 +14,7 @@
 #include "commands/model.h"
 #include "commands/recovery/quarantine.h"
 #include "commands/recovery/unproven.h"
+#include "commands/stops.h"
 #include "mauve/host/architecture.h"
 #include "mauve/host/version.h"
 #include "monitor/runtime_events.h"
@@ -74,7 +75,7 @@ int Daemon::run() {
   if (!started) {
     report_refusal(started.error());
     if (store_) {
-      store_->refused();
+      store_->last_run().refused();
     }
     return 1;
   }
@@ -140,14 +141,15 @@ Status Daemon::load() {
   }
   origin_ = *std::move(origin);
   if (store_) {
-    store_->try_generation(origin_.generation);
+    store_->last_run().try_generation(origin_.generation);
   }
   if (auto entered = enter_folder(); !entered) {
     return entered;
   }
   arch::Problems problems;
   rules::Supervision supervision;
-  architecture_ = arch::load(origin_.text, catalog_, problems, &supervision);
+  const auto lost = origin_.generation != 0 ? arch::LostNames::kept : arch::LostNames::refused;
+  architecture_ = arch::load(origin_.text, catalog_, problems, &supervision, lost);
   for (const auto& problem : problems.sorted()) {
     log_.write(Event::start_refused, {{"text", arch::to_string(problem, origin_.file)},
                                       {"line", static_cast<std::int64_t>(problem.where.line)},
@@ -170,13 +172,21 @@ Status Daemon::load() {
 
 /// A stop outlives the run, also if the generation that is started is older than the stop.
 void Daemon::keep_stopped() {
+  user_stops_ = origin_.stops;
   for (const auto& name : origin_.stopped) {
     if (auto* component = architecture_->find_component(name)) {
       component->task().start = false;
-      log_.write(
-          Event::stays_stopped,
-          {{"component", name}, {"generation", static_cast<std::int64_t>(origin_.stopped_in)}});
+      log_.write(Event::stays_stopped,
+                 {{"component", name},
+                  {"text", "generation " + std::to_string(origin_.stopped_in) +
+                               ", the last one before this start, has it stopped"}});
     }
+  }
+  for (const auto& name : leave_stopped(user_stops_, *architecture_)) {
+    const auto& stop = *user_stops_.of(name);
+    log_.write(Event::stays_stopped,
+               {{"component", name},
+                {"text", "uid " + std::to_string(stop.uid) + " stopped it at " + stop.time}});
   }
 }
 
@@ -196,6 +206,7 @@ Status Daemon::deploy() {
   DeployOptions how{options_.realtime, false, options_.admission, options_.machine};
   // Their numbers go on from those of earlier runs.
   how.kept_out = &kept_out_;
+  how.stops = &user_stops_;
   how.first_generation = store_ ? store_->generations().newest() + 1 : 1;
   deployer_ = std::make_unique<Deployer>(*architecture_, how);
   if (store_) {
@@ -220,6 +231,7 @@ Status Daemon::serve() {
                              std::chrono::steady_clock::now()});
   running_->realtime = options_.realtime;
   running_->kept_out = &kept_out_;
+  running_->user_stops = &user_stops_;
   running_->deciding = deciding_;
   running_->path_dirs = options_.path_dirs;
   rt::EndHandlers::set_unexpected_status(kUnexpectedEnd);
@@ -279,6 +291,7 @@ void Daemon::keep_the_first() {
   first.builds = builds_of(catalog_);
   first.reason =
       origin_.generation == 0 ? origin_.file : "generation " + std::to_string(origin_.generation);
+  store_->stops().keep(user_stops_);
   store_->begin(first, described(*running_), origin_.generation);
   begin_start(*running_, origin_.replaces, origin_.crashes);
   running_->recovered = origin_.generation;
@@ -343,6 +356,9 @@ std::vector<std::string> Daemon::stop_components() {
 /// The process ends right afterwards. The safe values come first: [control], the log or the disk
 /// may hang, and no end that mauved itself decides leaves an output as it was.
 void Daemon::leave_by_force(const std::string& cause) {
+  if (store_) {
+    store_->last_run().ends_by_order();
+  }
   const bool safe = rt::run_crash_handler({.sent = true});
   log_.write(Event::daemon_hurried,
              {{"cause", cause},

@@ -67,6 +67,7 @@ class Daemon {
   Origin origin_;
   plugin::Catalog catalog_;
   CoresInQuarantine kept_out_;
+  UserStops user_stops_;
   std::unique_ptr<Architecture> architecture_;
   std::unique_ptr<Deployer> deployer_;
   Stopper stopper_{log_};

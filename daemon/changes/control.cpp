@@ -72,6 +72,16 @@ bool WorkerThread::post_urgent(Job job) {
   return true;
 }
 
+bool WorkerThread::post_first(Job job) {
+  const MutexLock lock(mutex_);
+  if (stopping_) {
+    return false;
+  }
+  urgent_.push_front(std::move(job));
+  wake_.notify_one();
+  return true;
+}
+
 bool WorkerThread::is_this_thread() const { return std::this_thread::get_id() == thread_.get_id(); }
 
 void WorkerThread::await(std::function<bool()> over, Job then) {

@@ -40,6 +40,8 @@ class WorkerThread {
   /// (false) after stop().
   bool post(Job job, const Asker& asker = {});
   bool post_urgent(Job job);
+  /// The same, also in front of the urgent ones.
+  bool post_first(Job job);
   [[nodiscard]] bool is_this_thread() const;
   /// [any] When the job under way began; nothing: no job is under way.
   [[nodiscard]] std::optional<std::chrono::steady_clock::time_point> busy_since();

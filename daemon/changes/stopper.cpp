@@ -107,10 +107,7 @@ bool Stopper::look(StopOrder& order) {
   if (!order.direct_->advance()) {
     return false;
   }
-  if (order.report_) {
-    order.report_(*order.direct_);
-  }
-  return true;
+  return !order.report_ || order.report_(*order.direct_);
 }
 
 /// It has not come to the stop yet, or has come to it and does not look after it any more.

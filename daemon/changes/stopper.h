@@ -25,10 +25,10 @@ namespace mauve::daemon {
 class StopOrder {
  public:
   /// `components`: none: all. `applies` is asked right before it is carried out directly: false:
-  /// [control] is going to refuse it. `report` gets the end of that, also that some run still. Both
-  /// may be empty, and are called on [stop].
+  /// [control] is going to refuse it. `report` gets the end of that, also that some run still, and
+  /// is called again as long as it returns false. Both may be empty, and are called on [stop].
   StopOrder(std::vector<std::string> components, std::function<bool()> applies,
-            std::function<void(const DirectStop&)> report)
+            std::function<bool(const DirectStop&)> report)
       : components_(std::move(components)),
         applies_(std::move(applies)),
         report_(std::move(report)) {}
@@ -45,7 +45,7 @@ class StopOrder {
 
   const std::vector<std::string> components_;
   const std::function<bool()> applies_;
-  const std::function<void(const DirectStop&)> report_;
+  const std::function<bool(const DirectStop&)> report_;
 
   mutable Mutex mutex_;  ///< guards the members below
   bool begun_ MAUVE_GUARDED_BY(mutex_) = false;

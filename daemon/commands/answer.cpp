@@ -8,6 +8,7 @@
 #include "commands/look/notice.h"
 #include "commands/model.h"
 #include "commands/recovery/unproven.h"
+#include "commands/stops.h"
 #include "state/state_store.h"
 
 namespace mauve::daemon {
@@ -42,6 +43,7 @@ void keep(Running& running, const Call& call, std::optional<Confirmation> mark, 
   if (call.confirms || about.mark == Confirmation::confirmed) {
     running.proofs.confirmed(about.number);
   }
+  save_stops(running);  // a start has ended some
   running.store->keep(std::move(about), described(running), std::move(line), std::move(then), as,
                       running.deployer.generation(/*before_stops=*/true));
 }
@@ -83,7 +85,7 @@ void continue_proof(Running& running, const Call& call) {
 }
 
 /// [control] The answer states whether the change was also saved, so it waits for the disk; that of
-/// a stop does not.
+/// a stop waits for the list of stops only.
 void answer_applied(Running& running, const Call& call, Json result) {
   MAUVE_ON_THREAD(control);
   const auto generation = running.deployer.generation();
@@ -106,8 +108,8 @@ void answer_applied(Running& running, const Call& call, Json result) {
     return call.reply(std::move(result));
   }
   if (call.method->out_of_band()) {
-    call.reply(std::move(result));
-    return keep(running, call, call.mark, std::move(line), {});
+    keep(running, call, call.mark, std::move(line), {});
+    return reply_when_saved(running, call, std::move(result));
   }
   keep(running, call, call.mark, std::move(line),
        [reply = call.reply, result = std::move(result)](bool saved) mutable {
@@ -157,6 +159,9 @@ void answer_fault(Running& running, const Call& call, Fault fault) {
     } else if (line && running.store != nullptr) {
       running.store->audit(*line);
     }
+  }
+  if (call.saved_stop != nullptr) {
+    return reply_when_saved(running, call, std::move(fault));
   }
   call.reply(std::move(fault));
 }

@@ -25,6 +25,7 @@
 #include "log/log.h"
 #include "mauve/host/deploy_options.h"
 #include "mauve/host/deployer.h"
+#include "mauve/host/user_stops.h"
 #include "monitor/counts.h"
 #include "monitor/disk_watch.h"
 #include "plugin/load/catalog.h"
@@ -44,6 +45,7 @@ namespace mauve::daemon {
 
 class CoresInQuarantine;
 class Guardian;
+class SavedStop;
 class StateStore;
 class Recorder;
 class Supervisor;
@@ -112,6 +114,7 @@ struct Running {
   /// [control] When the last such stop of each component was received. A change that was received
   /// earlier, but is served after the stop, is refused if it starts the component.
   std::map<std::string, std::chrono::steady_clock::time_point> stops_came = {};
+  UserStops* user_stops = nullptr;  ///< [control] what users have stopped; null: no list
   /// [control] Cores that were rolled back, by version, and why: see recovery/quarantine.h.
   std::map<std::string, std::string> quarantined = {};
   CoresInQuarantine* kept_out = nullptr;  ///< [any] the deployer asks it; null: it asks none
@@ -171,8 +174,9 @@ struct Call {
   /// See check_conditions(). Copies share it.
   std::shared_ptr<std::atomic<Stage>> stage = std::make_shared<std::atomic<Stage>>(Stage::waiting);
   bool confirms = false;  ///< the generation that runs is confirmed before the answer
-  std::shared_ptr<StopOrder> order = nullptr;  ///< of component.stop, where it is watched
-  bool keeps_a_thread = false;                 ///< a hook did not return, and keeps a thread
+  std::shared_ptr<StopOrder> order = nullptr;       ///< of component.stop, where it is watched
+  std::shared_ptr<SavedStop> saved_stop = nullptr;  ///< of component.stop, where stops are saved
+  bool keeps_a_thread = false;                      ///< a hook did not return, and keeps a thread
 };
 using CallPtr = std::shared_ptr<Call>;
 

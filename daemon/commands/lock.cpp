@@ -10,6 +10,7 @@
 #include "commands/audit.h"
 #include "commands/lock.h"
 #include "judge/judgement.h"
+#include "mauve/host/architecture.h"
 #include "mauve/host/change.h"
 #include "protocol/in_words.h"
 #include "supervision/supervisor.h"
@@ -26,10 +27,19 @@ constexpr std::array<std::string_view, 5> kOfOperators = {"core", "port", "prope
 
 bool is_stop(const arch::Line& line) { return line.kind == "start" && line.after == Value(false); }
 
+/// The edit starts or stops its component, or does nothing; the core may be made anew for that.
+bool changes_mode_only(const Edit& edit) {
+  return !edit.fsm && !edit.type && !edit.task && !edit.resource && !edit.lock_budget &&
+         edit.properties.empty() && edit.connect.empty() && edit.disconnect.empty();
+}
+
 bool only_parks(const Edit& edit) {
-  return edit.mode == Mode::park && !edit.core && !edit.fsm && !edit.type && !edit.task &&
-         !edit.resource && !edit.lock_budget && edit.properties.empty() && edit.connect.empty() &&
-         edit.disconnect.empty();
+  return changes_mode_only(edit) && edit.mode == Mode::park && !edit.core;
+}
+
+bool changes_edits_only(const Change& change) {
+  return !change.changes_rules && change.new_components.empty() && change.new_resources.empty() &&
+         change.remove.empty() && change.fallbacks.empty();
 }
 
 constexpr std::string_view kAllIsLocked =
@@ -167,9 +177,18 @@ Status check_lock_of_all(const Running& running, Kind kind) {
 }
 
 bool only_stops(const Change& change) {
-  return !change.changes_rules && change.new_components.empty() && change.new_resources.empty() &&
-         change.remove.empty() && change.fallbacks.empty() &&
-         std::ranges::all_of(change.edits, only_parks);
+  return changes_edits_only(change) && std::ranges::all_of(change.edits, only_parks);
+}
+
+bool only_starts_and_stops(const Running& running, const Change& change) {
+  const auto keeps_its_core = [&running](const Edit& edit) {
+    const auto* component = running.architecture.find_component(edit.member);
+    return !edit.core ||
+           (component != nullptr && component->bundle()->core_type.name == edit.core->name);
+  };
+  return changes_edits_only(change) && std::ranges::all_of(change.edits, [&](const Edit& edit) {
+           return edit.mode != Mode::keep && changes_mode_only(edit) && keeps_its_core(edit);
+         });
 }
 
 Status check_lock_of_all(const Running& running, const Change& change) {

@@ -38,6 +38,11 @@ enum class Kind : std::uint8_t {
 /// nor an abandoned thread refuses such a change.
 [[nodiscard]] bool only_stops(const Change& change);
 
+/// [control] The change starts and stops components, and makes nothing else different. It brings
+/// nothing that a probation could prove, and a rollback from a start would only stop the component
+/// again. That holds for a start with a fresh core of the same type too.
+[[nodiscard]] bool only_starts_and_stops(const Running& running, const Change& change);
+
 /// [control] Refused with `conflict` while everything is locked, unless the change only_stops().
 /// Ask before preparing it, and again before it is committed.
 [[nodiscard]] Status check_lock_of_all(const Running& running, const Change& change);

@@ -52,7 +52,9 @@ Made make(const Question& question, plugin::Catalog& catalog, arch::Problems& pr
   if (spec) {
     leave_out_unloaded(question, *spec, problems);
     arch::load_plugins(*spec, catalog, problems);
-    made.architecture = arch::build(*spec, catalog, problems, &made.supervision);
+    made.architecture =
+        arch::build(*spec, catalog, problems, &made.supervision,
+                    question.ran ? arch::LostNames::kept : arch::LostNames::refused);
   }
   if (problems.empty()) {
     made.notes = arch::notes_on(made.supervision, *made.architecture, catalog);
@@ -63,7 +65,7 @@ Made make(const Question& question, plugin::Catalog& catalog, arch::Problems& pr
 Result<Made> make_running(const std::string& text, plugin::Catalog& catalog) {
   Made made;
   arch::Problems problems;
-  made.architecture = arch::load(text, catalog, problems, &made.supervision);
+  made.architecture = arch::load(text, catalog, problems, &made.supervision, arch::LostNames::kept);
   if (problems.empty()) {
     return made;
   }
@@ -122,11 +124,9 @@ Json cores_of(const Architecture& architecture, const plugin::Catalog& catalog) 
 }  // namespace
 
 Json to_json(const Question& question) {
-  Json json{{"text", question.text},
-            {"loaded", question.loaded},
-            {"builds", question.builds},
-            {"loads", question.loads},
-            {"lists_cores", question.lists_cores}};
+  Json json{
+      {"text", question.text},   {"loaded", question.loaded},           {"builds", question.builds},
+      {"loads", question.loads}, {"lists_cores", question.lists_cores}, {"ran", question.ran}};
   if (question.running) {
     json["running"] = *question.running;
   }
@@ -143,7 +143,8 @@ std::optional<Question> question_of(const std::string& text) {
                     json.value("loaded", std::vector<std::string>()),
                     json.value("builds", Builds()),
                     json.value("loads", false),
-                    json.value("lists_cores", false)};
+                    json.value("lists_cores", false),
+                    json.value("ran", false)};
   if (json.contains("running")) {
     question.running = json["running"];
   }

@@ -33,6 +33,7 @@ struct Question {
   Builds builds = {};                    ///< of these, for notes; empty: without notes
   bool loads = false;        ///< the file may name others too: the caller may load plugins
   bool lists_cores = false;  ///< of a good file, the result lists the cores with their builds
+  bool ran = false;          ///< it is a system that ran: see arch::LostNames
 };
 
 [[nodiscard]] Json to_json(const Question& question);

@@ -42,15 +42,16 @@ constexpr Method kMethods[] = {
 
 constexpr Field kMutationParams[] = {
     may("if_generation", count, "The change is refused with conflict if another generation runs"),
-    may("reason", text, "The reason, for the log and the saved generations"),
+    may("reason", text,
+        "The reason, for the log and the saved generations, at most 1000 characters"),
     may("deadline_ms", in(count, "ms"),
         "The request is answered at most some 20 ms after this time; a change that has not begun "
         "to take effect by then is dropped: timed_out, state unchanged; while it takes effect "
         "the state is unknown, and config.history shows the outcome")};
 constexpr Field kMutationAnswers[] = {
     may("saved", boolean,
-        "Whether the disk took the generation; absent where nothing is kept, and from the answer "
-        "of a stop")};
+        "Whether the disk took the generation, and of a stop the stop itself; absent where nothing "
+        "is kept")};
 
 }  // namespace
 }  // namespace row
@@ -90,6 +91,60 @@ std::vector<Field> together(std::span<const Field> own, std::span<const Field> m
   std::vector<Field> all(own.begin(), own.end());
   if (also) all.insert(all.end(), more.begin(), more.end());
   return all;
+}
+
+/// The greatest lengths of texts that a client sends, in characters: looking for a text takes time
+/// of [control], and reasons are kept. Those that differ from the one of names and addresses.
+constexpr std::size_t kLongestText = 500;
+constexpr std::size_t kLongestTime = 64;  ///< of "50ms" and the like
+constexpr std::array<std::pair<std::string_view, std::size_t>, 4> kLongerTexts = {{
+    {"text", kMaxLine},  // a file
+    {"file", 4096},      // its name
+    {"condition", 4000},
+    {"reason", 1000},
+}};
+
+std::size_t longest_of(const Field& param) {
+  if (param.type.kind == Type::Kind::duration || param.type.kind == Type::Kind::time) {
+    return kLongestTime;
+  }
+  const auto longer =
+      std::ranges::find(kLongerTexts, param.name, &std::pair<std::string_view, std::size_t>::first);
+  return longer == kLongerTexts.end() ? kLongestText : longer->second;
+}
+
+std::size_t characters(const std::string& text) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      text, [](char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U; }));
+}
+
+/// Of the longest text among those that the table describes: the value itself, or an item of a
+/// list, or a name of a map. Values of properties have the limits of their properties.
+std::size_t longest_in(const Json& value, const Type& type) {
+  std::size_t longest = 0;
+  if (type.shape == Type::Shape::map) {
+    for (const auto& [name, unused] : value.items()) longest = std::max(longest, characters(name));
+    return longest;
+  }
+  const bool texts = type.kind == Type::Kind::text || type.kind == Type::Kind::duration ||
+                     type.kind == Type::Kind::time;
+  if (!texts || value.is_null()) return 0;
+  if (value.is_string()) return characters(value.get_ref<const std::string&>());
+  for (const Json& item : value) {
+    longest = std::max(longest, characters(item.get_ref<const std::string&>()));
+  }
+  return longest;
+}
+
+std::optional<Fault> too_long(const Method& method, const Field& param, const Json& value) {
+  const std::size_t given = longest_in(value, param.type);
+  const std::size_t most = longest_of(param);
+  if (given <= most) return std::nullopt;
+  return fault_of(kInvalidParams,
+                  "argument '" + std::string(param.name) + "' has a text of " +
+                      std::to_string(given) + " characters, and at most " + std::to_string(most) +
+                      " are read",
+                  std::string(method.name));
 }
 
 Fault unknown_argument(const Method& method, const std::string& name,
@@ -144,7 +199,10 @@ std::optional<Fault> check_params(const Method& method, const Json& params) {
   for (const auto& [name, value] : params.items()) {
     const auto param = std::ranges::find(known, name, &Field::name);
     if (param == known.end()) return unknown_argument(method, name, known);
-    if (fits(value, param->type)) continue;
+    if (fits(value, param->type)) {
+      if (auto refused = too_long(method, *param, value)) return refused;
+      continue;
+    }
     return fault_of(kInvalidParams,
                     "argument '" + name + "' must be " + expected_words(param->type),
                     std::string(method.name));

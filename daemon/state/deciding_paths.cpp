@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "state/deciding_paths.h"
 
+#include <sys/stat.h>
+
 #include <filesystem>
 #include <string_view>
 #include <system_error>
@@ -23,6 +25,18 @@ std::string whole(const std::string& path) {
   std::error_code failed;
   auto absolute = std::filesystem::absolute(path, failed);
   return failed ? path : absolute.string();
+}
+
+/// Files of a sticky directory are judged one by one, but another user may listen there first.
+Status check_only_owner_writes(const std::string& folder) {
+  struct stat its {};
+  if (stat(folder.c_str(), &its) != 0 || (its.st_mode & S_IWOTH) == 0) {
+    return ok();
+  }
+  return refuse({Errc::plugin_refused, "path_writable_by_others"}, folder,
+                "may be written by everybody, so another user may listen there in place of mauved "
+                "or its guardian",
+                protocol::kUseOwnSocket);
 }
 
 /// How the file or directory that is to blame belongs to the path.
@@ -51,7 +65,10 @@ std::optional<Error> distrust_of(const DecidingPath& deciding) {
   // directory beforehand.
   const std::string deepest =
       deciding.what == kState ? deciding.path + "/generations" : deciding.path;
-  const auto trusted = plugin::Trust::of_this_process().check_path(deepest);
+  Status trusted = plugin::Trust::of_this_process().check_path(deepest);
+  if (trusted && deciding.what == kSocket) {
+    trusted = check_only_owner_writes(deciding.path);
+  }
   if (trusted) {
     return std::nullopt;
   }

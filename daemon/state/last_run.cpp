@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "state/last_run.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <charconv>
+#include <csignal>
 #include <cstdlib>
 #include <random>
 #include <utility>
@@ -57,7 +61,11 @@ Result<std::string> trusted(const std::filesystem::path& file, logging::Log& log
 }  // namespace
 
 LastRun::LastRun(const std::filesystem::path& directory, logging::Log& log)
-    : running_(directory / "running"), continue_(directory / "continue"), log_(log) {}
+    : running_(directory / "running"),
+      continue_(directory / "continue"),
+      fault_(directory / "fault"),
+      file_crashed_(directory / "file_crashed"),
+      log_(log) {}
 
 void LastRun::read(bool generations_are_kept) {
   continues_ = trusted(continue_, log_).has_value();
@@ -76,13 +84,35 @@ void LastRun::read(bool generations_are_kept) {
   }
   const auto machine = text.substr(kMachine.size(), started - kMachine.size());
   const bool ran_on = !machine.empty() && machine == run_of_the_machine();
-  crashed_generation_ = ran_on ? began_with_ : 0;
+  crashed_generation_ = ran_on && trusted(fault_, log_) ? began_with_ : 0;
 }
 
 void LastRun::try_generation(std::uint64_t generation) {
   started(generation);
   std::error_code ignored;  // the file above could not be written either, which is logged
   std::filesystem::remove(continue_, ignored);
+  std::filesystem::remove(fault_, ignored);
+  mark_failures();
+}
+
+/// The file is made by the last thread of a process that dies, which may not allocate. A signal
+/// that somebody sent is no failure, but for that of abort(), which always comes that way.
+void LastRun::mark_failures() {
+  crash_handler_ = std::make_unique<rt::CrashHandler>();
+  const auto speak = [this](const rt::Death& death) {
+    const auto& fault = death.fault;
+    const bool sent = fault.sent && fault.signal != 0 && fault.signal != SIGABRT;
+    if (sent || !may_fail_.load()) {
+      return;
+    }
+    const int file = ::open(fault_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+    if (file >= 0) {
+      ::close(file);
+    }
+  };
+  if (auto started = crash_handler_->start(speak); !started) {
+    log_.write(Event::generation_not_saved, {{"text", to_string(started.error())}});
+  }
 }
 
 void LastRun::started(std::uint64_t generation) {
@@ -96,7 +126,25 @@ void LastRun::refused() {
   return crashed_ || continues_ ? put(kRefused, began_with_) : put(kEnded);
 }
 
-void LastRun::ended() { put(kEnded); }
+void LastRun::ended() {
+  ends_by_order();
+  put(kEnded);
+  std::error_code ignored;
+  std::filesystem::remove(file_crashed_, ignored);
+}
+
+void LastRun::file_crashed() {
+  if (auto put = replace_file(file_crashed_, "the file of the last start\n"); !put) {
+    log_.write(Event::generation_not_saved, {{"text", to_string(put.error())}});
+  }
+}
+
+bool LastRun::has_crashed(const std::filesystem::path& architecture) const {
+  std::error_code unknown;
+  const auto changed = std::filesystem::last_write_time(architecture, unknown);
+  const auto crashed = std::filesystem::last_write_time(file_crashed_, unknown);
+  return !unknown && crashed >= changed;
+}
 
 void LastRun::put(std::string_view words, std::uint64_t began_with) {
   put(std::string(words) + std::string(kStarted) + std::to_string(began_with));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -52,6 +53,7 @@ StartTrial trial_of(const Origin& origin, const Options& options, const Json& qu
   Question question{origin.text};
   question.loads = true;
   question.lists_cores = true;
+  question.ran = origin.generation != 0;
   const auto judged = judge_apart(options, question);
   StartTrial trial;
   const bool late = !judged && judged.error().code == Errc::timed_out;
@@ -82,30 +84,33 @@ std::string folder_of(const Generation& one, const Options& options) {
 }
 
 /// The crash counts for the newest confirmed generation of the architecture that was started, with
-/// the components stopped that stay stopped. A generation that was never confirmed needs no count,
-/// because it is not started again anyway.
-void count_crash(Generations& generations, std::uint64_t started, const Names& stopped,
+/// the components stopped that stay stopped. If there is none, the file of the command line was
+/// started, which is remembered for it.
+void count_crash(StateStore& store, std::uint64_t started, const Names& stopped,
                  logging::Log& log) {
+  auto& generations = store.generations();
   const auto ran = generations.text(started);
   if (!ran) {
     return;
   }
   const auto same = text_with_stopped(*ran, stopped);
-  for (const auto& one : generations.list()) {
+  const auto all = generations.list();
+  auto counts = std::ranges::find_if(all, [&](const Generation& one) {
     const auto text = generations.text(one.number);
-    if (one.mark != Confirmation::confirmed || !text || text_with_stopped(*text, stopped) != same) {
-      continue;
-    }
-    if (auto counted = generations.set_crashes(one.number, one.crashes + 1); !counted) {
-      log.write(Event::generation_not_saved, {{"text", to_string(counted.error())}});
-    }
-    return;
+    return one.mark == Confirmation::confirmed && text && text_with_stopped(*text, stopped) == same;
+  });
+  if (counts == all.end()) {
+    return store.last_run().file_crashed();
+  }
+  if (auto counted = generations.set_crashes(counts->number, counts->crashes + 1); !counted) {
+    log.write(Event::generation_not_saved, {{"text", to_string(counted.error())}});
   }
 }
 
-/// The newest confirmed generation of the last system that can be started.
+/// The newest confirmed generation of the last system that can be started and crashed less than
+/// `most` times.
 std::optional<Origin> last_confirmed(const Options& options, StateStore& store,
-                                     const LastSystem& last, logging::Log& log) {
+                                     const LastSystem& last, unsigned most, logging::Log& log) {
   const auto& generations = store.generations();
   std::vector<std::string> passed_over;
   for (const auto& one : generations.list()) {
@@ -126,7 +131,7 @@ std::optional<Origin> last_confirmed(const Options& options, StateStore& store,
     if (text && (one.damaged || std::ranges::find(passed_over, starts) != passed_over.end())) {
       continue;  // of one that was damaged a moment ago the mark is not known
     }
-    if (text && one.crashes >= kMostCrashes) {
+    if (text && one.crashes >= most) {
       log.write(Event::generation_passed_over,
                 {{"generation", number}, {"count", static_cast<std::int64_t>(one.crashes)}});
       passed_over.push_back(starts);
@@ -141,8 +146,9 @@ std::optional<Origin> last_confirmed(const Options& options, StateStore& store,
     if (usable) {
       const bool same = starts == text_with_stopped(origin.text, {});
       origin.replaces = one.command == kRecover && same ? one.number : 0;
-      log.write(store.crashed() ? Event::generation_recovered : Event::generation_continued,
-                {{"generation", number}, {"time", one.time}, {"file", options.architecture}});
+      log.write(
+          store.last_run().crashed() ? Event::generation_recovered : Event::generation_continued,
+          {{"generation", number}, {"time", one.time}, {"file", options.architecture}});
       return origin;
     }
     log.write(Event::generation_unusable,
@@ -151,8 +157,22 @@ std::optional<Origin> last_confirmed(const Options& options, StateStore& store,
   return std::nullopt;
 }
 
+/// All confirmed generations crashed, and so did the file: the one that crashed least.
+std::optional<Origin> crashed_least(const Options& options, StateStore& store,
+                                    const LastSystem& last, logging::Log& log) {
+  auto least = std::numeric_limits<unsigned>::max();
+  for (const auto& one : store.generations().list()) {
+    const auto text = store.generations().text(one.number);
+    if (one.mark == Confirmation::confirmed && text && name_in(*text) == last.name) {
+      least = std::min(least, one.crashes);
+    }
+  }
+  const bool any = least != std::numeric_limits<unsigned>::max();
+  return any ? last_confirmed(options, store, last, least + 1, log) : std::nullopt;
+}
+
 std::string end_of_the_last_run(const StateStore& store) {
-  return store.crashed() ? "the last run crashed" : "an upgrade restarted mauved";
+  return store.last_run().crashed() ? "the last run crashed" : "an upgrade restarted mauved";
 }
 
 /// A robot whose software is gone must not be driven by another system.
@@ -175,15 +195,21 @@ Status check_name(const std::string& text, const Options& options, const StateSt
 
 Result<Origin> what_to_start(const Options& options, StateStore* store, logging::Log& log) {
   const auto last = store != nullptr ? last_system(store->generations()) : LastSystem();
-  if (store != nullptr && store->crashed_generation() != 0) {
-    count_crash(store->generations(), store->crashed_generation(), last.stopped, log);
+  if (store != nullptr && store->last_run().crashed_generation() != 0) {
+    count_crash(*store, store->last_run().crashed_generation(), last.stopped, log);
   }
-  const bool recovers =
-      store != nullptr && (store->crashed() || store->continues()) && !options.fresh;
-  auto recovered = recovers ? last_confirmed(options, *store, last, log) : std::nullopt;
+  const bool recovers = store != nullptr &&
+                        (store->last_run().crashed() || store->last_run().continues()) &&
+                        !options.fresh;
+  auto recovered =
+      recovers ? last_confirmed(options, *store, last, kMostCrashes, log) : std::nullopt;
+  if (recovers && !recovered && store->last_run().has_crashed(options.architecture)) {
+    recovered = crashed_least(options, *store, last, log);
+  }
   if (recovered) {
     recovered->stopped = last.stopped;
     recovered->stopped_in = last.generation;
+    recovered->stops = store->stops().read();
     return *std::move(recovered);
   }
   auto text = arch::read_file(options.architecture);
@@ -199,6 +225,7 @@ Result<Origin> what_to_start(const Options& options, StateStore* store, logging:
               {{"text", end_of_the_last_run(*store)}, {"file", options.architecture}});
     origin.stopped = last.stopped;
     origin.stopped_in = last.generation;
+    origin.stops = store->stops().read();
   }
   if (auto survived = trial_of(origin, options, Json()).survived; !survived) {
     return survived.error();

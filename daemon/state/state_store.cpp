@@ -86,6 +86,7 @@ void StateStore::put_aside(const std::filesystem::path& folder) {
 
 void StateStore::begin(const Generation& first, const Value& architecture,
                        std::uint64_t recovered) {
+  static_cast<void>(stops_.write());
   remove_crashed_start(last_run_, *generations_, log_);
   if (save(first, architecture)) {
     last_run_.started(first.number);
@@ -127,7 +128,7 @@ void StateStore::keep(Generation about, Value architecture, Json line,
     if (as == As::before) {
       about.mark = mark_before(about.number, before_stops);
     }
-    bool saved = save(about, architecture) && save_cores();
+    bool saved = save(about, architecture) && save_cores() && stops_.write();
     if (saved && as == As::confirmed) {
       saved = mark_now(about.number, Confirmation::confirmed);
     }

@@ -22,6 +22,7 @@
 #include "rt/process/descriptor.h"
 #include "state/generations.h"
 #include "state/last_run.h"
+#include "state/stops/kept_stops.h"
 
 namespace mauve::daemon {
 
@@ -33,21 +34,15 @@ class StateStore {
   [[nodiscard]] static Result<std::unique_ptr<StateStore>> open(const std::string& directory,
                                                                 logging::Log& log);
 
-  /// [any] The run before this one did not come to its end: a crash, a power cut.
-  [[nodiscard]] bool crashed() const { return last_run_.crashed(); }
-  /// [any] The file `continue` is there: this start goes on with the last confirmed generation,
-  /// although the run before it came to its end. An upgrade of the package leaves this file.
-  [[nodiscard]] bool continues() const { return last_run_.continues(); }
-  /// [any] The generation with which the run before had started, if it crashed soon after its start
-  /// while the machine ran on; 0: no such crash.
-  [[nodiscard]] std::uint64_t crashed_generation() const { return last_run_.crashed_generation(); }
-  /// From now on an end without end() or refused() is a crash of this generation (0: of the file).
-  /// Removes the file `continue`, which is for one start. [main], before any code of a plugin runs
-  void try_generation(std::uint64_t generation) { last_run_.try_generation(generation); }
+  /// How the run before this one ended, and how far this one came.
+  [[nodiscard]] LastRun& last_run() { return last_run_; }
+  [[nodiscard]] const LastRun& last_run() const { return last_run_; }
   [[nodiscard]] const Generations& generations() const { return *generations_; }
   /// [main], before begin()
   [[nodiscard]] Generations& generations() { return *generations_; }
   [[nodiscard]] const std::string& directory() const { return directory_; }
+  /// [any] Its write() belongs before all that waits for the disk.
+  [[nodiscard]] KeptStops& stops() { return stops_; }
 
   /// Saves the generation that this run starts with, waiting for the disk, and begins to write on
   /// [disk]. The unconfirmed start of a run that crashed is removed. `recovered`: the saved
@@ -79,8 +74,6 @@ class StateStore {
   /// The run has gone on for so long that its end would be no crash soon after a start. [any but
   /// rt]
   void ran_long();
-  /// The run is refused before it began. [main]
-  void refused() { last_run_.refused(); }
   /// [any but rt] The thread [disk]: a posted job runs after those that wait there.
   [[nodiscard]] WorkerThread& disk() { return disk_; }
   /// Saves the list of cores in quarantine. [any but rt]
@@ -117,6 +110,7 @@ class StateStore {
   rt::Descriptor held_;
   std::unique_ptr<Generations> generations_;
   LastRun last_run_{directory_, log_};
+  KeptStops stops_{directory_, log_};
   Json quarantined_ = Json::array();
   std::atomic<bool> saved_{true};
   std::optional<Json> unsaved_cores_;  ///< [disk] in quarantine

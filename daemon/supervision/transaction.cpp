@@ -7,7 +7,11 @@
 #include "base/thread_role.h"
 #include "commands/answer.h"
 #include "commands/change/change.h"
+#include "commands/lock.h"
+#include "commands/model.h"
 #include "commands/recovery/abandoned.h"
+#include "commands/say.h"
+#include "commands/stops.h"
 
 namespace mauve::daemon {
 
@@ -17,7 +21,7 @@ namespace {
 /// one. A change that only stops or starts components does not need that.
 bool rolls_back_unconfirmed(Running& running, const Change& change,
                             const std::string& transaction) {
-  if (changes_modes_only(running, change)) {
+  if (only_starts_and_stops(running, change)) {
     return false;
   }
   const auto shares = [&change](const OpenProbation& open) {
@@ -25,16 +29,30 @@ bool rolls_back_unconfirmed(Running& running, const Change& change,
       return std::ranges::find(open.components, edit.member) != open.components.end();
     });
   };
+  const StandStill still(running);
   for (const auto& open : running.deployer.probations()) {
     const bool waits = open.rules.confirm_within > Duration{0} && !open.rolls_back;
     if (waits && shares(open)) {
       return running.deployer
-          .undo("not confirmed before " + transaction + " began", open.generations.back())
+          .undo("not confirmed before " + transaction + " began", open.generations)
           .has_value();
     }
   }
   return false;
 }
+
+/// The answer names the components that the transaction does not start, because a user stopped
+/// them.
+class StaysStopped final : public ChangeHooks {
+ public:
+  explicit StaysStopped(std::vector<std::string> notes) : notes_(std::move(notes)) {}
+  Status check_prepared(PreparedChange& /*change*/) override { return ok(); }
+  void in_force(std::uint64_t /*generation*/) override {}
+  void complete(Json& result) override { say_notes(notes_, result); }
+
+ private:
+  std::vector<std::string> notes_;
+};
 
 }  // namespace
 
@@ -45,14 +63,18 @@ void begin_transaction(Running& running, const CallPtr& call, const rules::Steps
   if (!change) {
     return answer(running, *call, change.error());
   }
+  const auto notes = leave_stopped(running, *change);
   if (change->edits.empty()) {
-    return answer(running, *call, to_json(Receipt{running.generation, {}, {}, 0, {}}));
+    auto result = to_json(Receipt{running.generation, {}, {}, 0, {}});
+    say_notes(notes, result);
+    return answer(running, *call, std::move(result));
   }
   if (const auto may = may_prepare_change(running, *change, std::nullopt); !may) {
     return answer(running, *call, may.error());
   }
   if (!rolls_back_unconfirmed(running, *change, text_or(call->params, "transaction"))) {
-    return apply(running, call, std::move(ticket), *std::move(change));
+    return apply(running, call, std::move(ticket), *std::move(change),
+                 notes.empty() ? nullptr : std::make_shared<StaysStopped>(notes));
   }
   running.control.await([&running] { return !running.deployer.going_back(); },
                         [&running, call, steps, ticket = std::move(ticket)]() mutable {

@@ -32,6 +32,7 @@
 #include "commands/recovery/abandoned.h"
 #include "commands/recovery/quarantine.h"
 #include "commands/say.h"
+#include "commands/stops.h"
 #include "mauve/host/architecture.h"
 #include "supervision/supervisor.h"
 
@@ -62,7 +63,8 @@ class Application final : public ChangeHooks {
 
   /// [factory]
   void load() {
-    wanted_ = arch::load(text_, catalog_, problems_, &supervision_);
+    const auto lost = saved_ ? arch::LostNames::kept : arch::LostNames::refused;
+    wanted_ = arch::load(text_, catalog_, problems_, &supervision_, lost);
     if (problems_.empty()) {
       for (const auto& note : arch::notes_on(supervision_, *wanted_, catalog_)) {
         notes_on_rules_.push_back(to_string(note));
@@ -75,6 +77,11 @@ class Application final : public ChangeHooks {
   /// [control] Once the file turned out to be good.
   void compare() {
     MAUVE_ON_THREAD(control);
+    const UserStops none;
+    const auto& stops = running_.user_stops == nullptr ? none : *running_.user_stops;
+    for (const auto& name : leave_stopped(stops, *wanted_)) {
+      stay_stopped_.push_back(note_on(name, *stops.of(name)));
+    }
     difference_ = arch::compare(running_.architecture, *wanted_, parked_now(running_));
     elements_ = !difference_.lines.empty();
     compare_supervision();
@@ -159,6 +166,7 @@ class Application final : public ChangeHooks {
     auto notes = saved_ ? notes_on(saved_->number, other_builds(saved_->builds, catalog_))
                         : std::vector<std::string>();
     notes.insert(notes.end(), notes_on_rules_.begin(), notes_on_rules_.end());
+    notes.insert(notes.end(), stay_stopped_.begin(), stay_stopped_.end());
     const auto source = saved_ ? "generation " + std::to_string(saved_->number) : "the file";
     std::ranges::move(notes_on_starts(difference_.lines, source, dry_run_),
                       std::back_inserter(notes));
@@ -201,9 +209,10 @@ class Application final : public ChangeHooks {
   bool elements_ = false;
   rules::Supervision supervision_;
   std::vector<std::string> notes_on_rules_;
-  std::uint64_t compared_with_ = 0;   // see Supervisor::adoptions()
-  bool supervises_ = false;           // its rules, transactions or permissions are others
-  std::vector<std::string> plugins_;  // not loaded yet
+  std::vector<std::string> stay_stopped_;  // components that the file would start
+  std::uint64_t compared_with_ = 0;        // see Supervisor::adoptions()
+  bool supervises_ = false;                // its rules, transactions or permissions are others
+  std::vector<std::string> plugins_;       // not loaded yet
 };
 using ApplicationPtr = std::shared_ptr<Application>;
 
@@ -247,23 +256,13 @@ void answer_unchanged(Running& running, const Call& call, Application& applicati
   answer(running, call, std::move(result));
 }
 
-Status check_nothing_to_prove(const Json& params) {
-  for (const char* option : {"probation", "misses", "confirm_within"}) {
-    if (!params.contains(option) || text_or(params, option) == "off") {
-      continue;
-    }
-    return refuse({Errc::invalid_value, "nothing_to_try"}, option,
-                  "the file adds plugins and changes nothing that runs, so there is nothing to try "
-                  "out or to take back",
-                  "leave out " + std::string(option) + "; mauvectl unload takes a plugin away");
-  }
-  return ok();
-}
-
 /// [control] Plugins are all that the file adds: no component takes part, no new generation.
 void load_only(Running& running, const Call& call, Application& application) {
   MAUVE_ON_THREAD(control);
-  auto good = check_nothing_to_prove(call.params);
+  auto good = ask_for_no_probation(call.params,
+                                   "the file adds plugins and changes nothing that runs, so there "
+                                   "is nothing to try out or to take back",
+                                   "mauvectl unload takes a plugin away");
   good = good ? check_conditions(running, call) : good;
   good = good ? application.check_loaded() : good;
   good = good ? may_change(running, call, *application.lines()) : good;
@@ -365,6 +364,7 @@ void diff_architecture(Running& running, const CallPtr& call, Ticket /*none*/) {
     }
     judged->erase("errors");
     (*judged)["generation"] = compared;
+    leave_stopped(running, *judged);
     answer(running, *call, std::move(judged));
   });
 }

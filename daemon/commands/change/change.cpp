@@ -7,6 +7,7 @@
 
 #include "commands/answer.h"
 #include "commands/change/change_request.h"
+#include "commands/lock.h"
 #include "commands/model.h"
 #include "exec/system/prepared.h"
 #include "mauve/host/architecture.h"
@@ -106,9 +107,16 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
   if (!probation) {
     return answer(running, *call, probation.error());
   }
-  if (!changes_modes_only(running, change)) {
+  if (!only_starts_and_stops(running, change)) {
     change.probation = *probation;
     call->mark = *probation ? Confirmation::unconfirmed : Confirmation::confirmed;
+  } else if (auto unasked = ask_for_no_probation(
+                 only_stops(change) ? Json::object() : call->params,
+                 "the change only starts components, and no probation takes a start back, so there "
+                 "is nothing to try out or to confirm",
+                 "mauvectl stop ends what a start began");
+             !unasked) {
+    return answer(running, *call, unasked.error());
   }
   auto request = std::make_shared<ChangeRequest>();
   request->change = std::move(change);
@@ -122,16 +130,14 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
       dry_run ? answer_dry_run : put_in_force);
 }
 
-bool changes_modes_only(const Running& running, const Change& change) {
-  return !change.changes_rules && change.new_components.empty() && change.new_resources.empty() &&
-         change.remove.empty() &&
-         std::all_of(change.edits.begin(), change.edits.end(), [&](const Edit& one) {
-           const auto* component = running.architecture.find_component(one.member);
-           const bool other_core =
-               one.core &&
-               (component == nullptr || component->bundle()->core_type.name != one.core->name);
-           return one.mode != Mode::keep && !other_core;
-         });
+Status ask_for_no_probation(const Json& params, const std::string& why, const std::string& step) {
+  for (const char* option : {"probation", "misses", "confirm_within"}) {
+    if (params.contains(option) && text_or(params, option) != "off") {
+      return refuse({Errc::invalid_value, "nothing_to_try"}, option, why,
+                    "leave out " + std::string(option) + "; " + step);
+    }
+  }
+  return ok();
 }
 
 Edit edit_of(std::string_view member) {

@@ -61,11 +61,6 @@ void say_kept(const Running& running, const Change& change, Json& result);
 [[nodiscard]] bool overtaken_by_stop(const Running& running, const Call& call,
                                      const Change& change);
 
-/// [control] A start or a stop brings nothing that a probation could prove, and a rollback from a
-/// start would only stop the component again. That holds for a start with a fresh core of the same
-/// type too.
-[[nodiscard]] bool changes_modes_only(const Running& running, const Change& change);
-
 /// An edit that names this component or resource, and changes nothing yet.
 [[nodiscard]] Edit edit_of(std::string_view member);
 
@@ -76,5 +71,10 @@ inline constexpr std::string_view kUndone = "undone";
 /// one is not given.
 [[nodiscard]] Result<std::optional<Probation>> probation_of(const Json& params);
 [[nodiscard]] Json to_json(const Probation& probation);
+
+/// [any] Refuses these options in a change that cannot be on probation: what a user asks to confirm
+/// is never taken as confirmed. `why`, `step`: for the refusal.
+[[nodiscard]] Status ask_for_no_probation(const Json& params, const std::string& why,
+                                          const std::string& step);
 
 }  // namespace mauve::daemon

@@ -5,14 +5,17 @@
 #include <algorithm>
 #include <iterator>
 
+#include "arch/build/lost_names.h"
 #include "commands/answer.h"
 #include "commands/lock.h"
 #include "commands/model.h"
 #include "commands/recovery/abandoned.h"
 #include "commands/recovery/quarantine.h"
+#include "exec/system/prepared.h"
 #include "judge/judgement.h"
 #include "mauve/host/architecture.h"
 #include "model/element/elements.h"
+#include "supervision/supervisor.h"
 
 namespace mauve::daemon {
 
@@ -94,6 +97,10 @@ bool may_go_on(Running& running, const Call& call, ChangeRequest& request) {
     met = may_change(running, call, request.lines);
     request.anew = whole ? request.anew : lines_anew(running, request);
     request.notes = place_notes(running, request.change);
+    if (!whole) {  // a file brings its own rules
+      std::ranges::move(notes_on_lost_names(running, **request.prepared),
+                        std::back_inserter(request.notes));
+    }
   }
   if (!met) {
     answer(running, call, met.error());
@@ -153,6 +160,22 @@ void say_consequences(const Running& running, ChangeRequest& request, Json& resu
   std::ranges::copy(request.anew, std::back_inserter(lines));
   say_lines(lines, result);
   say_notes(request.notes, result);
+}
+
+std::vector<std::string> notes_on_lost_names(const Running& running, PreparedChange& change) {
+  const auto& members = change.content().members;
+  const auto next = [&members](std::string_view component) -> const CoreBase* {
+    const auto member = std::ranges::find_if(members, [&](const exec::PreparedMember& one) {
+      return one.component != nullptr && one.component->name() == component;
+    });
+    return member == members.end() || member->next == nullptr ? nullptr : member->next->core.get();
+  };
+  std::vector<std::string> notes;
+  for (const auto& note :
+       arch::names_lost_by(running.supervisor.supervision(), running.architecture, next)) {
+    notes.push_back(to_string(note));
+  }
+  return notes;
 }
 
 std::uint64_t stops_of(const std::map<std::string, std::uint64_t>& stops, const Change& change) {

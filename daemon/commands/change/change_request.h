@@ -44,6 +44,11 @@ void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
 /// [control] Adds all parts of the answer that a dry run has too.
 void say_consequences(const Running& running, ChangeRequest& request, Json& result);
 
+/// [control] Sentences on the rules and transactions that name a property or an observable which
+/// the new cores do not have.
+[[nodiscard]] std::vector<std::string> notes_on_lost_names(const Running& running,
+                                                           PreparedChange& change);
+
 /// How often the components of the change were stopped so far, in all.
 [[nodiscard]] std::uint64_t stops_of(const std::map<std::string, std::uint64_t>& stops,
                                      const Change& change);

@@ -71,6 +71,7 @@ void change_steps(Running& running, const CallPtr& call, Ticket ticket) {
   if (auto allowed = may_prepare_change(running, *change, call->caller.peer.uid); !allowed) {
     return answer(running, *call, allowed.error());
   }
+  change->ends_stops = true;  // a user names what he starts
   keep_values_and_states(running, *policy, *change);
   apply(running, call, std::move(ticket), *std::move(change));
 }

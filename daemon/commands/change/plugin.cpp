@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// plugin.load and plugin.unload: code comes and goes while the robot moves.
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -11,9 +12,11 @@
 #include "commands/change/plugin_members.h"
 #include "commands/change/trial.h"
 #include "commands/lock.h"
+#include "commands/model.h"
 #include "commands/recovery/abandoned.h"
 #include "commands/recovery/former.h"
 #include "commands/say.h"
+#include "supervision/supervisor.h"
 
 namespace mauve::daemon {
 
@@ -90,6 +93,29 @@ void finish_unload(Running& running, const Call& call, const std::string& name,
   answer(running, call, std::move(result));
 }
 
+/// A transaction or a rule puts a core of the plugin in place: without it these steps are refused.
+Status check_named_in_steps(const Running& running, const std::string& plugin) {
+  const auto check = [&plugin](const std::string& at, const rules::Steps& steps) {
+    const auto swap = std::ranges::find_if(steps, [&plugin](const rules::Step& step) {
+      return step.action == rules::Action::swap && plugin_of(step.object) == plugin;
+    });
+    return swap == steps.end() ? ok()
+                               : Status(refuse({Errc::wrong_state, "plugin_in_use"}, plugin,
+                                               at + " swaps " + swap->subject + " to " +
+                                                   swap->object + ", which only this plugin has",
+                                               "mauvectl apply a file without these steps first"));
+  };
+  const auto& supervision = running.supervisor.supervision();
+  auto unused = ok();
+  for (const auto& [name, steps] : supervision.transactions) {
+    unused = unused ? check("transaction " + name, steps) : unused;
+  }
+  for (const auto& rule : supervision.rules) {
+    unused = unused ? check("rule " + rule.name, rule.steps) : unused;
+  }
+  return unused;
+}
+
 /// The users that the error names may be kept for a rollback only, and run no more.
 Error why_in_use(const Running& running, const std::string& plugin, Error error) {
   const bool in_force = !members_of(running, plugin, StatePolicy::keep).edits.empty();
@@ -142,6 +168,9 @@ void unload_settled(Running& running, const CallPtr& call, const std::string& na
   auto allowed = check_conditions(running, *call);
   if (allowed) {
     allowed = may_change(running, *call, {line_of_unloading(name)});
+  }
+  if (allowed) {
+    allowed = check_named_in_steps(running, name);
   }
   if (!allowed) {
     return answer(running, *call, allowed.error());

@@ -14,6 +14,7 @@
 #include "arch/text/value_json.h"
 #include "commands/answer.h"
 #include "commands/change/change.h"
+#include "commands/change/change_request.h"
 #include "commands/change/plugin_members.h"
 #include "commands/change/policies.h"
 #include "commands/change/trial.h"
@@ -44,6 +45,7 @@ struct Reload {
   std::optional<LoadedPlugin> old;
   plugin::Unmapped unmapped;
   std::vector<arch::Line> lines;  ///< the differences that it makes, once it is prepared
+  std::vector<std::string> notes;
 };
 using ReloadPtr = std::shared_ptr<Reload>;
 
@@ -100,6 +102,9 @@ Status may_go_on(Running& running, const Call& call, Reload& reload) {
     return kept;
   }
   reload.lines = lines_of_reload(running, reload);
+  if (reload.prepared) {
+    reload.notes = notes_on_lost_names(running, **reload.prepared);
+  }
   return may_change(running, call, reload.lines);
 }
 
@@ -142,6 +147,7 @@ Json result_of(Running& running, Reload& reload) {
   say_missed(running.deployer.realtime(), result);
   say_lines(reload.lines, result);
   say_same_build(reload.lines, result);
+  say_notes(reload.notes, result);
   if (reload.receipt && reload.change.probation) {
     say_probation(running, *reload.change.probation, reload.prepared, result);
   }
@@ -212,6 +218,7 @@ void answer_dry_reload(Running& running, const CallPtr& call, ReloadPtr reload, 
   say_who_stands(running, reload->change, Asked::dry_run, result);
   say_lines(reload->lines, result);
   say_same_build(reload->lines, result);
+  say_notes(reload->notes, result);
   answer(running, *call, std::move(result));
   running.control.in_factory(
       [reload = std::move(reload)]() mutable {

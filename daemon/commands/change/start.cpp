@@ -6,6 +6,7 @@
 #include "commands/recovery/quarantine.h"
 #include "commands/say.h"
 #include "mauve/host/architecture.h"
+#include "mauve/host/user_stops.h"
 
 namespace mauve::daemon {
 
@@ -24,10 +25,12 @@ Edit edit_to_start(const Running& running, const std::string& name, bool reset) 
 /// The answer names the components that run already, and those that may fail again.
 class Already final : public ChangeHooks {
  public:
-  Already(std::vector<std::string> names, std::vector<std::string> notes)
-      : names_(std::move(names)), notes_(std::move(notes)) {}
+  /// `started` is called when the others have started.
+  Already(std::vector<std::string> names, std::vector<std::string> notes,
+          std::function<void()> started)
+      : names_(std::move(names)), notes_(std::move(notes)), started_(std::move(started)) {}
   Status check_prepared(PreparedChange& /*change*/) override { return ok(); }
-  void in_force(std::uint64_t /*generation*/) override {}
+  void in_force(std::uint64_t /*generation*/) override { started_(); }
   void complete(Json& result) override {
     say_already(names_, "running", result);
     say_notes(notes_, result);
@@ -36,7 +39,17 @@ class Already final : public ChangeHooks {
  private:
   std::vector<std::string> names_;
   std::vector<std::string> notes_;
+  std::function<void()> started_;
 };
+
+/// A start of all ends a stop of all, also for components that join later.
+std::function<void()> ending_stop_of_all(const Running& running, const Call& call) {
+  auto* const stops = flag(call.params, "all") ? running.user_stops : nullptr;
+  if (stops == nullptr || flag(call.params, "dry_run")) {
+    return [] {};
+  }
+  return [stops, known = stops->newest()] { stops->start_all(known); };
+}
 
 }  // namespace
 
@@ -46,7 +59,9 @@ void start(Running& running, const CallPtr& call, Ticket ticket) {
     return answer(running, *call, names.error());
   }
   const bool reset = flag(call->params, "reset");
+  const auto started = ending_stop_of_all(running, *call);
   Change change;
+  change.ends_stops = true;
   std::vector<std::string> run;
   std::vector<std::string> notes;
   for (const auto& name : *names) {
@@ -66,6 +81,7 @@ void start(Running& running, const CallPtr& call, Ticket ticket) {
     }
   }
   if (change.edits.empty()) {
+    started();
     Receipt nothing;
     nothing.generation = running.deployer.generation();
     auto result = to_json(nothing);
@@ -73,7 +89,7 @@ void start(Running& running, const CallPtr& call, Ticket ticket) {
     return answer(running, *call, std::move(result));
   }
   apply(running, call, std::move(ticket), std::move(change),
-        std::make_shared<Already>(std::move(run), std::move(notes)));
+        std::make_shared<Already>(std::move(run), std::move(notes), started));
 }
 
 }  // namespace mauve::daemon

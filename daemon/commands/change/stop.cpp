@@ -10,6 +10,8 @@
 #include "commands/change/change.h"
 #include "commands/look/named.h"
 #include "commands/say.h"
+#include "commands/stops.h"
+#include "state/state_store.h"
 
 namespace mauve::daemon {
 
@@ -43,19 +45,19 @@ Json directly(Json receipt, const std::vector<std::string>& ran) {
 }
 
 /// [stop] The books follow when [control] goes on.
-void answer_directly(const Running& running, const Call& call, const DirectStop& done) {
+server::Outcome outcome_of(const Running& running, const DirectStop& done) {
   const auto generation = running.generation.load();
   if (!done.run_still().empty()) {
     std::string names;
     for (const auto& name : done.run_still()) {
       names += (names.empty() ? "" : ", ") + name;
     }
-    return call.reply(protocol::fault_of(
+    return protocol::fault_of(
         refuse({Errc::partly, "stops_later"}, names,
                "did not end its job in time, while [control] is held up; it stops as soon as the "
                "job ends, all others are stopped",
                "end mauved with SIGTERM, which writes all safe values"),
-        "partly", generation));
+        "partly", generation);
   }
   Json receipt = {{"generation", generation}, {"commit", 0}, {"attempts", 0}};
   receipt["warnings"] = Json::array(
@@ -63,7 +65,27 @@ void answer_directly(const Running& running, const Call& call, const DirectStop&
        "or "
        "code of a plugin that does not return), so the stop was carried out without it; other "
        "commands wait until that thread goes on; SIGTERM ends mauved safely all the same"});
-  call.reply(directly(std::move(receipt), done.ran()));
+  return directly(std::move(receipt), done.ran());
+}
+
+/// [stop] Called until it returns true: the answer waits for the disk.
+std::function<bool(const DirectStop&)> answering_directly(const Running& running,
+                                                          std::shared_ptr<const Call> call) {
+  return [&running, call = std::move(call), begun = false,
+          saved = std::shared_ptr<SavedStop>()](const DirectStop& done) mutable {
+    if (!std::exchange(begun, true)) {
+      saved = save_stop_directly(running, *call, names_in(call->params, "components"));
+    }
+    if (saved != nullptr && !saved->over()) {
+      return false;
+    }
+    auto outcome = outcome_of(running, done);
+    if (saved != nullptr) {
+      saved->say(outcome);
+    }
+    call->reply(std::move(outcome));
+    return true;
+  };
 }
 
 /// Ends the order when the stop is over, on whichever path.
@@ -116,7 +138,7 @@ void watch_over_stop(Running& running, const CallPtr& call) {
   const std::shared_ptr<const Call> asked = std::make_shared<Call>(*call);
   call->order = std::make_shared<StopOrder>(
       names_in(call->params, "components"), [&running, asked] { return applies(running, *asked); },
-      [&running, asked](const DirectStop& done) { answer_directly(running, *asked, done); });
+      answering_directly(running, asked));
   running.stopper->watch(call->order);
 }
 
@@ -149,15 +171,21 @@ void stop(Running& running, const CallPtr& call, Ticket /*none: it waits for no 
     auto& came = running.stops_came[name];
     came = std::max(came, call->received);
   }
+  const auto by = stop_by(*call);
   auto stopping = flag(call->params, "all")
-                      ? Result<std::shared_ptr<Ongoing>>(running.deployer.begin_stop_all())
-                      : running.deployer.begin_stop(*names);
+                      ? Result<std::shared_ptr<Ongoing>>(running.deployer.begin_stop_all(2s, by))
+                      : running.deployer.begin_stop(*names, by);
   if (!stopping) {
     return answer(running, *call, stopping.error());
   }
+  call->saved_stop = save_stops(running);
+  if (running.store != nullptr) {
+    running.store->stops().served(call->stage);
+  }
   when_answered(
-      running, *std::move(stopping), [&running, call, over, stopped, lines](Ongoing& done) {
+      running, *std::move(stopping), [&running, call, over, stopped, lines](Ongoing& done) mutable {
         const auto receipt = done.result();
+        over.reset();  // [stop] does not watch it while it waits for the disk
         if (!receipt) {
           return answer(running, *call, receipt.error(), "safe");
         }

@@ -233,6 +233,7 @@ Result<Json> list_clients(Running& running, const Call& call) {
                     {"pid", client.peer.pid},
                     {"role", to_string(client.role)},
                     {"since", logging::utc(client.since)},
+                    {"only_stops", client.only_urgent},
                     {"you", client.client == call.caller.client}});
   }
   return items(std::move(rows));

@@ -10,9 +10,8 @@ namespace mauve::daemon {
 /// may still run as it left them.
 [[nodiscard]] bool is_rolling_back(const Running& running, std::uint64_t generation);
 
-/// [control] Says why nothing can be undone, and the next step. `refused`: the words of the
-/// deployer. `generation`: the one that the user named; 0: the newest change.
-[[nodiscard]] Error nothing_to_undo(const Running& running, Error refused,
-                                    std::uint64_t generation);
+/// [control] Says why nothing can be undone, and the next step. `generation`: the one that the user
+/// named; 0: the newest change.
+[[nodiscard]] Error nothing_to_undo(const Running& running, std::uint64_t generation);
 
 }  // namespace mauve::daemon

@@ -9,6 +9,7 @@
 #include "commands/answer.h"
 #include "commands/change/change.h"
 #include "commands/lock.h"
+#include "commands/model.h"
 #include "commands/recovery/nothing_to_undo.h"
 #include "commands/recovery/unproven.h"
 #include "commands/say.h"
@@ -198,7 +199,8 @@ Error not_the_newest(const ChangeOnProbation& wanted, const ChangeOnProbation& n
                 "mauvectl undo --dry-run shows what undo rolls back now");
 }
 
-/// Judges and begins the undo of the change that was the newest when the user asked for it.
+/// Judges and begins the undo of the change that was the newest when the user asked for it. The
+/// caller lets the system stand still, so the undo concerns the changes that are shown and judged.
 void begin_undo(Running& running, const CallPtr& call, const ChangeOnProbation& wanted) {
   if (auto met = check_conditions(running, *call); !met) {
     return answer(running, *call, met.error());
@@ -219,9 +221,8 @@ void begin_undo(Running& running, const CallPtr& call, const ChangeOnProbation& 
   if (newest.place) {
     return undo_in_place(running, call, *newest.place, std::move(result), text);
   }
-  const auto generation = wanted_generation(*call);
-  if (auto begun = running.deployer.undo(text, generation); !begun) {
-    return answer(running, *call, nothing_to_undo(running, begun.error(), generation));
+  if (newest.generations.empty() || !running.deployer.undo(text, newest.generations)) {
+    return answer(running, *call, nothing_to_undo(running, wanted_generation(*call)));
   }
   running.rollbacks.ask(newest.generations.back(), {call->caller.peer.uid, reason});
   running.control.await(
@@ -298,9 +299,11 @@ Json to_json(const Probation& probation) {
   return json;
 }
 
+// A commit may be newer than the last look. After this one nothing comes into force until all is
+// confirmed that the answer lists.
 void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
-  // A commit may be newer than the last look.
-  running.generation = running.deployer.generation();
+  running.report_outcomes();
+  const StandStill still(running);
   if (auto met = check_conditions(running, *call); !met) {
     return answer(running, *call, met.error());
   }
@@ -330,6 +333,8 @@ void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
 // The undo of a swap in place is a change, so it waits for the end of the change under way. That
 // change may have its answer already, while [factory] frees the elements that it retired.
 void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
+  running.report_outcomes();
+  const StandStill still(running);
   auto wanted = meant_by(running, wanted_generation(*call));
   if (!wanted.place || !running.control.busy()) {
     return begin_undo(running, call, wanted);
@@ -339,7 +344,11 @@ void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
       [&running, until] {
         return !running.control.busy() || std::chrono::steady_clock::now() >= until;
       },
-      [&running, call, wanted = std::move(wanted)] { begin_undo(running, call, wanted); });
+      [&running, call, wanted = std::move(wanted)] {
+        running.report_outcomes();
+        const StandStill stands(running);
+        begin_undo(running, call, wanted);
+      });
 }
 
 }  // namespace mauve::daemon

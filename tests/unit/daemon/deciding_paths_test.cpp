@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <filesystem>
+
 #include "support/temp_dir.h"
 
 namespace mauve::daemon {
@@ -25,6 +27,24 @@ TEST(DecidingPaths, OfASocketOfAnotherUserLeadToASocketOfOnesOwn) {
   EXPECT_THAT(socket->hint, HasSubstr("export MAUVE_SOCKET=$HOME/mauve.sock"));
   EXPECT_THAT(socket->hint, HasSubstr("--socket FILE"));
   EXPECT_THAT(state->hint, HasSubstr("chown root"));
+}
+
+/// As /tmp is: whoever comes first listens there, also in place of the guardian.
+TEST(DecidingPaths, MayNotPutASocketWhereEverybodyMayListen) {
+  const test::TempDir folder;
+  std::filesystem::permissions(folder.path(),
+                               std::filesystem::perms::all | std::filesystem::perms::sticky_bit);
+  const auto within = (folder / "within").string();
+  std::filesystem::create_directory(within);
+
+  const auto socket = distrust_of({"socket directory", folder.path().string()});
+
+  ASSERT_TRUE(socket);
+  EXPECT_THAT(socket->message, HasSubstr("may be written by everybody"));
+  EXPECT_THAT(socket->hint, HasSubstr("--socket FILE"));
+  EXPECT_FALSE(distrust_of({"socket directory", within})) << "only its owner may write there";
+  EXPECT_FALSE(distrust_of({"state directory", folder.path().string()}))
+      << "its files are judged one by one";
 }
 
 }  // namespace

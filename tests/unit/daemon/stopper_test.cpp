@@ -30,6 +30,7 @@ class StopperTest : public testing::Test {
         [this](const DirectStop& direct) {
           run_still = direct.run_still();
           ++reports;
+          return true;
         });
   }
   [[nodiscard]] bool stops(const char* component) {
@@ -103,7 +104,7 @@ TEST_F(StopperTest, ReportsEachStopOnce) {
 
   const auto later = std::make_shared<std::atomic<int>>(0);
   stopper.watch(std::make_shared<StopOrder>(
-      Names{"right"}, [] { return true; }, [later](const DirectStop&) { ++*later; }));
+      Names{"right"}, [] { return true; }, [later](const DirectStop&) { return ++*later > 0; }));
   ASSERT_TRUE(test::eventually([&] { return *later == 1; }));
 
   EXPECT_EQ(reports, 1);

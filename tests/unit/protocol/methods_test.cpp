@@ -35,6 +35,55 @@ TEST(Methods, ServeOnlyPingAndStopOutOfBand) {
   }
 }
 
+std::string text_of(std::size_t characters) {
+  std::string text;
+  for (std::size_t i = 0; i < characters; ++i) text += "\xC3\xA9";  // é is one character
+  return text;
+}
+
+TEST(CheckParams, RefusesATextThatIsLongerThanAnyNameInOneSentence) {
+  EXPECT_FALSE(check("param.get", {{"address", text_of(500)}}));
+
+  const auto fault = check("param.get", {{"address", text_of(501)}});
+
+  ASSERT_TRUE(fault);
+  EXPECT_EQ(fault->code, kInvalidParams);
+  EXPECT_EQ(fault->message,
+            "argument 'address' has a text of 501 characters, and at most 500 are read");
+}
+
+/// A value of this type whose text has so many characters; null: it has no text.
+Json long_value(const Type& type, std::size_t characters) {
+  if (!type.choices.empty()) return nullptr;
+  if (type.shape == Type::Shape::map) return Json{{text_of(characters), 1}};
+  const bool texts = type.kind == Type::Kind::text || type.kind == Type::Kind::duration ||
+                     type.kind == Type::Kind::time;
+  if (!texts) return nullptr;
+  return type.shape == Type::Shape::list ? Json{text_of(1), text_of(characters)}
+                                         : Json(text_of(characters));
+}
+
+TEST(CheckParams, HasAGreatestLengthForEachTextOfEachMethod) {
+  for (const Method& method : methods()) {
+    for (const Field& param : all_params(method)) {
+      const Json value = long_value(param.type, 5'000);
+      if (value.is_null() || param.name == "text") continue;
+      const auto fault = check_params(method, {{std::string(param.name), value}});
+      ASSERT_TRUE(fault) << method.name << " " << param.name;
+      EXPECT_NE(fault->message.find("5000 characters"), std::string::npos)
+          << method.name << ": " << fault->message;
+    }
+  }
+}
+
+TEST(CheckParams, LetsFilesReasonsAndConditionsBeLongerThanNames) {
+  EXPECT_FALSE(check("config.check", {{"text", std::string(900'000, ' ')}}));
+  EXPECT_FALSE(check("config.check", {{"text", "{}"}, {"file", text_of(4'000)}}));
+  EXPECT_FALSE(check("condition.get", {{"condition", text_of(1'001)}})) << "its reader refuses it";
+  EXPECT_FALSE(check("component.stop", {{"all", true}, {"reason", text_of(1'000)}}));
+  EXPECT_TRUE(check("component.stop", {{"all", true}, {"reason", text_of(1'001)}}));
+}
+
 /// One sentence that begins with a capital letter; readers add the full stop.
 void expect_sentence(std::string_view text, std::string_view of) {
   ASSERT_GE(text.size(), 4U) << of << " has no text";

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "state/stops/kept_stops.h"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include "arch/build/load.h"
+#include "plugin/load/trust.h"
+#include "protocol/framing.h"
+#include "state/durable.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+using logging::Event;
+using protocol::Json;
+
+Json json_of(const UserStop& stop) { return {{"uid", stop.uid}, {"time", stop.time}}; }
+
+std::string text_of(const UserStops& stops) {
+  Json json = {{"components", Json::object()}};
+  for (const auto& [name, stop] : stops.named()) {
+    json["components"][name] = json_of(stop);
+  }
+  if (stops.all()) {
+    json["all"] = json_of(*stops.all());
+    json["started"] = stops.started();
+  }
+  return protocol::to_line(json) + "\n";
+}
+
+std::optional<UserStop> stop_in(const Json& json) {
+  if (!json.is_object() || !json.contains("uid") || !json["uid"].is_number_unsigned() ||
+      !json.contains("time") || !json["time"].is_string()) {
+    return std::nullopt;
+  }
+  return UserStop{json["uid"].get<std::uint32_t>(), json["time"].get<std::string>(), 0};
+}
+
+/// Nothing: the text is no such list.
+std::optional<UserStops> stops_in(const std::string& text) {
+  const auto json = protocol::parse_json(text);
+  if (!json || !json->is_object() || !json->contains("components") ||
+      !(*json)["components"].is_object()) {
+    return std::nullopt;
+  }
+  UserStops stops;
+  if (json->contains("all")) {
+    const auto all = stop_in((*json)["all"]);
+    if (!all || !json->contains("started") || !(*json)["started"].is_array()) {
+      return std::nullopt;
+    }
+    stops.stop_all(*all);
+    for (const auto& name : (*json)["started"]) {
+      if (!name.is_string()) {
+        return std::nullopt;
+      }
+      stops.start(name.get<std::string>(), stops.newest());
+    }
+  }
+  for (const auto& [name, one] : (*json)["components"].items()) {
+    const auto stop = stop_in(one);
+    if (!stop) {
+      return std::nullopt;
+    }
+    stops.stop(name, *stop);
+  }
+  return stops;
+}
+
+bool is_empty(const UserStops& stops) { return stops.named().empty() && !stops.all(); }
+
+}  // namespace
+
+KeptStops::KeptStops(const std::filesystem::path& directory, logging::Log& log)
+    : file_(directory / "stops.json"), log_(log) {}
+
+UserStops KeptStops::read() const {
+  std::error_code ignored;
+  if (!std::filesystem::exists(std::filesystem::symlink_status(file_, ignored))) {
+    return {};
+  }
+  const auto text = arch::read_file(file_.string(), &plugin::Trust::of_this_process());
+  const auto stops = text ? stops_in(*text) : std::nullopt;
+  if (stops) {
+    return *stops;
+  }
+  const Reason damaged{Errc::invalid_value, "state_damaged"};
+  const auto why = text ? refuse(damaged, file_.string(), "is damaged") : text.error();
+  log_.write(Event::stops_lost, {{"text", to_string(why)}, {"file", file_.string()}});
+  UserStops all;
+  all.stop_all({geteuid(), logging::utc(std::chrono::system_clock::now()), 0});
+  return all;
+}
+
+void KeptStops::keep(const UserStops& now, Then then) {
+  const MutexLock lock(mutex_);
+  written_ = written_ && now.revision() == now_.revision();
+  now_ = now;
+  if (then) {
+    waiting_.push_back(std::move(then));
+  }
+}
+
+void KeptStops::keep_directly(const Order& order, const std::vector<std::string>& components,
+                              const UserStop& by, Then then) {
+  const MutexLock lock(mutex_);
+  if (!served_.contains(order)) {
+    direct_[order] = {components, by};
+    written_ = false;
+  }
+  waiting_.push_back(std::move(then));
+}
+
+void KeptStops::served(const Order& order) {
+  const MutexLock lock(mutex_);
+  std::erase_if(served_, [](const auto& one) { return one.expired(); });
+  served_.insert(order);
+  written_ = direct_.erase(order) == 0 && written_;
+}
+
+UserStops KeptStops::list() const {
+  auto list = now_;
+  for (const auto& [order, direct] : direct_) {
+    if (direct.components.empty()) {
+      list.stop_all(direct.by);
+    }
+    for (const auto& name : direct.components) {
+      list.stop(name, direct.by);
+    }
+  }
+  return list;
+}
+
+/// A list that the disk did not take is written again with the next change.
+bool KeptStops::write() {
+  std::vector<Then> waiting;
+  std::optional<UserStops> list;
+  {
+    const MutexLock lock(mutex_);
+    waiting.swap(waiting_);
+    if (!std::exchange(written_, true)) {
+      list = this->list();
+    }
+  }
+  const auto done = list ? put(*list) : ok();
+  if (!done) {
+    const auto why = to_string(done.error());
+    log_.write(Event::stops_not_saved, {{"text", why}, {"file", done.error().at}});
+    const MutexLock lock(mutex_);
+    written_ = false;
+  }
+  for (const auto& then : waiting) {
+    then(done.has_value());
+  }
+  return done.has_value();
+}
+
+/// Where nobody ever stopped anything there is no file.
+Status KeptStops::put(const UserStops& list) const {
+  std::error_code ignored;
+  const bool there = std::filesystem::exists(std::filesystem::symlink_status(file_, ignored));
+  return there || !is_empty(list) ? replace_file(file_, text_of(list)) : ok();
+}
+
+}  // namespace mauve::daemon
