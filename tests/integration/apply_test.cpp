@@ -60,8 +60,9 @@ class Apply : public testing::Test {
   TrialDaemon daemon_;
 };
 
-TEST_F(Apply, NotesThatItStartsAStoppedComponent) {
-  ASSERT_EQ(daemon_.ask("component.stop", {{"components", {"second"}}})["state"], "applied");
+TEST_F(Apply, NotesThatItStartsAComponentThatAChangeStopped) {
+  const Json stop = {{"text", R"([{"stop": "second"}])"}};
+  ASSERT_EQ(daemon_.ask("change.apply", stop)["state"], "applied");
 
   const auto plan = ctl("plan", kTrial);
   EXPECT_THAT(plan.out, HasSubstr("note: second will start: it was stopped"));

@@ -156,7 +156,7 @@ TEST_F(Judging, TriesTheElementsOfAnApplyBeforeTheyAreMadeInTheDaemon) {
 }
 
 TEST_F(Judging, ComparesAFileWithWhatRunsAndSaysWhatStoppedIs) {
-  daemon_->ask("component.stop", {{"components", {"second"}}});
+  daemon_->ask("change.apply", {{"text", R"([{"stop": "second"}])"}});
   std::string text(kTrial);
   text.replace(text.find("2ms"), 3, "3ms");
 

@@ -73,6 +73,12 @@ inline void crash(TrialDaemon& daemon) {
   static_cast<void>(daemon.process().wait());
 }
 
+/// mauved ends as by a failed assertion of a plugin: a kill from outside would be no evidence.
+inline void fail(TrialDaemon& daemon) {
+  daemon.process().signal(SIGABRT);
+  static_cast<void>(daemon.process().wait());
+}
+
 inline void end_and_start(TrialDaemon& daemon) {
   daemon.process().signal(SIGTERM);
   ASSERT_EQ(daemon.process().wait(), 0) << daemon.errors();

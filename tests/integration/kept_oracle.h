@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -57,6 +58,16 @@ class KeptOracle {
     const auto found = kept_.find(number);
     if (found != kept_.end()) found->second.worth = worth;
   }
+  /// A stop by a user was answered; until a user starts the component it stands.
+  void stopped_by_user(const std::string& component) { users_.insert(component); }
+  void started_by_user(const std::string& component) { users_.erase(component); }
+  /// With the components stopped that a user has stopped.
+  [[nodiscard]] Json with_stops(Json content) const {
+    for (auto& [name, component] : content["components"].items()) {
+      if (users_.contains(name)) component["start"] = false;
+    }
+    return content;
+  }
   [[nodiscard]] const Kept* find(std::uint64_t number) const {
     const auto found = kept_.find(number);
     return found == kept_.end() ? nullptr : &found->second;
@@ -80,7 +91,7 @@ class KeptOracle {
   }
 
   /// The run crashed soon after its start: this architecture is started next. The components that
-  /// the newest generation has stopped stay stopped, in an older one and in the file too.
+  /// the newest generation or a user has stopped stay stopped, in an older one and in the file too.
   [[nodiscard]] Json after_crash(const Json& file) {
     newest_ = kept_.empty() ? Json::object() : kept_.rbegin()->second.content;
     if (auto* crashed = newest_confirmed(started_)) ++crashed->crashes;
@@ -96,13 +107,14 @@ class KeptOracle {
         continue;
       }
       start_crashes_ = kept.crashes;
-      return stopped(kept.content);
+      return with_stops(stopped(kept.content));
     }
-    return stopped(file);
+    return with_stops(stopped(file));
   }
   /// The run came to its orderly end: the file is started next, and a row of crashes has ended.
   void after_end() {
     newest_ = Json::object();
+    users_.clear();
     if (auto* ended = newest_confirmed(started_)) ended->crashes = 0;
     start_crashes_ = 0;
   }
@@ -182,6 +194,7 @@ class KeptOracle {
   std::uint64_t highest_ = 0;  ///< that was answered as saved, or is on the disk
   Json started_;
   Json newest_ = Json::object();  ///< at the crash
+  std::set<std::string> users_;   ///< what users have stopped
   unsigned start_crashes_ = 0;
 };
 

@@ -100,7 +100,7 @@ Step Robot::roll_back() {
   if (content.is_null() || content.dump().find(kFailing) != std::string::npos) return set();
   return {"config.rollback",
           {{"generation", it->first}, {"state", "drop"}},
-          [content](Json& system) { system = content; },
+          [this, content](Json& system) { system = oracle_.with_stops(content); },
           Step::Kind::trial};
 }
 
@@ -115,8 +115,9 @@ Step Robot::stop_or_start() {
 }
 
 void Robot::account(const Step& step, const Json& result) {
-  EXPECT_TRUE(step.method == "component.stop" || result.value("saved", false))
-      << step.method << ": " << result << story_;
+  EXPECT_TRUE(result.value("saved", false)) << step.method << ": " << result << story_;
+  if (step.method == "component.stop") oracle_.stopped_by_user("second");
+  if (step.method == "component.start") oracle_.started_by_user("second");
   if (step.method == "lock.set") lock_ = step.params["lock"];
   if (step.method == "quarantine.release") quarantined_ = false;
   if (step.kind == Step::Kind::confirm) return confirm();

@@ -113,6 +113,7 @@ class Robot {
     if (open_.empty()) return;
     const auto* earlier = oracle_.find(open_.undo(next.content));
     const bool proved = earlier == nullptr || earlier->worth != Worth::unconfirmed;
+    next.content = oracle_.with_stops(next.content);
     next.worth = proved && open_.empty() ? Worth::either : Worth::unconfirmed;
   }
   /// The swap is rolled back at the next release, with the changes that it joined; the generation

@@ -78,6 +78,8 @@ class Locks : public Generations {
     const auto back =
         daemon_.ask("architecture.apply", {{"text", walked().dump()}, {"probation", "off"}});
     ASSERT_FALSE(back.contains("code")) << back;
+    // No file starts what a user stopped.
+    daemon_.ask("component.start", {{"components", {"first", "second"}}});
     if (runs()["plugins"] != 1) daemon_.ask("plugin.unload", {{"plugin", "demo"}});
   }
 

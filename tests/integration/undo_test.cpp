@@ -2,6 +2,10 @@
 // The undo of changes: its answer, its refusals, and the history.
 #include <unistd.h>
 
+#include <atomic>
+#include <set>
+#include <thread>
+
 #include "kept_daemon.h"
 
 namespace mauve::test {
@@ -122,6 +126,42 @@ TEST_F(Undo, AnswersWhenItsComponentsAreBackAlsoIfAnotherOneIsStoppedMeanwhile) 
 
   const auto undone = undoing.json();
   EXPECT_EQ(daemon.value("first.core.gain"), 1.0) << undone;
+}
+
+/// Two operators, one who changes a value and one who undoes, at the same time.
+TEST_F(Undo, BesideChangesRollsBackOnlyWhatItNames) {
+  TrialDaemon daemon(unguarded(), {"--realtime", "off"});
+  std::atomic<bool> changes{true};
+  std::set<std::uint64_t> made;
+  std::thread changing([&] {
+    auto client = daemon.client();
+    for (int i = 0; i < 60; ++i) {
+      const Json set = on_probation(1.0 + i);
+      EXPECT_TRUE(
+          client.send(protocol::to_line(protocol::make_request(i, "param.set", set)) + '\n'));
+      const auto answer = client.json();
+      if (answer.contains("result"))
+        made.insert(answer["result"]["generation"].get<std::uint64_t>());
+    }
+    changes = false;
+  });
+  std::set<std::uint64_t> undone;
+  while (changes) {
+    const auto answer = daemon.ask("change.undo");
+    if (answer.contains("undone")) {
+      const auto named = answer["undone"]["generations"].get<std::vector<std::uint64_t>>();
+      EXPECT_FALSE(named.empty()) << answer;
+      undone.insert(named.begin(), named.end());
+    } else {
+      EXPECT_THAT(answer["data"].value("id", ""),
+                  testing::AnyOf("nothing_to_undo", "changed_meanwhile"));
+    }
+  }
+  changing.join();
+
+  EXPECT_FALSE(made.empty());
+  const bool was_undone = undone.contains(*made.rbegin());
+  EXPECT_EQ(daemon.value("first.core.gain") == 60.0, !was_undone) << "the last value is 60";
 }
 
 }  // namespace
