@@ -205,14 +205,11 @@ Status Daemon::enter_folder() {
 Status Daemon::deploy() {
   DeployOptions how{options_.realtime, false, options_.admission, options_.machine};
   // Their numbers go on from those of earlier runs.
-  how.kept_out = &kept_out_;
   how.stops = &user_stops_;
   how.first_generation = store_ ? store_->generations().newest() + 1 : 1;
   deployer_ = std::make_unique<Deployer>(*architecture_, how);
   if (store_) {
-    auto cores = cores_kept_out(store_->quarantined(), catalog_);
-    log_cores_in_quarantine(log_, *architecture_, cores);
-    kept_out_.replace(std::move(cores));
+    log_cores_in_quarantine(log_, *architecture_, cores_in(store_->quarantined(), catalog_));
   }
   if (auto deployed = deployer_->deploy(); !deployed) {
     return deployed;
@@ -230,7 +227,6 @@ Status Daemon::serve() {
                              supervisor_, [this] { return server_->clients(); }, random_id(),
                              std::chrono::steady_clock::now()});
   running_->realtime = options_.realtime;
-  running_->kept_out = &kept_out_;
   running_->user_stops = &user_stops_;
   running_->deciding = deciding_;
   running_->path_dirs = options_.path_dirs;

@@ -10,7 +10,6 @@
 
 #include "changes/stopper.h"
 #include "commands/command.h"
-#include "commands/recovery/quarantine.h"
 #include "commands/table.h"
 #include "judge/judge.h"
 #include "monitor/guardian.h"
@@ -66,7 +65,6 @@ class Daemon {
   std::unique_ptr<StateStore> store_;  ///< null: nothing is kept
   Origin origin_;
   plugin::Catalog catalog_;
-  CoresInQuarantine kept_out_;
   UserStops user_stops_;
   std::unique_ptr<Architecture> architecture_;
   std::unique_ptr<Deployer> deployer_;

@@ -146,12 +146,6 @@ std::string troubles(const Json& status, Look look) {
     add("abandoned thread: " + (hook.empty() ? "user code" : hook) + " since " +
         word(one, "since"));
   }
-  const Json& lost = member(status, "lost_to_quarantine");
-  for (const Json& one : lost.is_array() ? lost : Json::array()) {
-    add(word(one, "user") + ": does not work, because " + word(one, "core") +
-        " is in quarantine (it failed: " + word(one, "reason") + "): mauvectl quarantine release " +
-        word(one, "core"));
-  }
   const Json& guardian = member(status, "guardian");
   if (guardian.is_object() && member(guardian, "present") == false) {
     std::string outputs;

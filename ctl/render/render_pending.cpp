@@ -21,7 +21,8 @@ std::string sentence_of(const Json& one) {
   const bool jobs_alone = number(one, "left_ns") > 3600e9;
   return which + ": on probation for " + (jobs_alone ? "" : left + " still, or ") +
          counted(whole_number(one, "jobs_left"), "job") +
-         ": a failure, or mauvectl undo, rolls back";
+         (state == "awaits_undo" ? ": only mauvectl undo rolls back, since a rule made it"
+                                 : ": a failure, or mauvectl undo, rolls back");
 }
 
 }  // namespace

@@ -137,6 +137,8 @@ constexpr protocol::Method kByItself{.name = kSupervision, .effect = protocol::E
 
 }  // namespace
 
+bool by_itself(const Call& call) { return call.method == &kByItself; }
+
 CallPtr call_by_itself(const Running& running, std::string reason) {
   auto call = std::make_shared<Call>();
   call->method = &kByItself;

@@ -18,6 +18,8 @@ inline constexpr std::string_view kSupervision = "supervision";
 /// A call of mauved itself, with the rights of an operator, for the audit log. No client waits for
 /// its answer. [any]
 [[nodiscard]] CallPtr call_by_itself(const Running& running, std::string reason);
+/// [any] It is such a call.
+[[nodiscard]] bool by_itself(const Call& call);
 
 /// [control] `result` as it will be answered.
 [[nodiscard]] Json audit_applied(Running& running, const Call& call, const Json& result);

@@ -43,7 +43,6 @@ class Architecture;
 
 namespace mauve::daemon {
 
-class CoresInQuarantine;
 class Guardian;
 class SavedStop;
 class StateStore;
@@ -117,7 +116,6 @@ struct Running {
   UserStops* user_stops = nullptr;  ///< [control] what users have stopped; null: no list
   /// [control] Cores that were rolled back, by version, and why: see recovery/quarantine.h.
   std::map<std::string, std::string> quarantined = {};
-  CoresInQuarantine* kept_out = nullptr;  ///< [any] the deployer asks it; null: it asks none
   /// [control] Components that an abandoned thread may still be in, and its hook.
   std::map<std::string, std::string> abandoned_in = {};
   Unproven unproven = {};                   ///< [control] see recovery/unproven.h

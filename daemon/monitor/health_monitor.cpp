@@ -116,7 +116,7 @@ void HealthMonitor::look() {
                               std::chrono::steady_clock::now(), running_->store->directory(),
                               running_->log);
   }
-  keep_out(*running_);
+  spare_reactions(*running_);
   make_standby_cores();
   looking_ = false;
 }
@@ -208,9 +208,7 @@ void HealthMonitor::report(const Outcome& outcome) {
   running_->rollback_lines.forget(outcome.generations);
   const bool rolled_back = outcome.kind == Outcome::Kind::rolled_back;
   for (const auto& core : rolled_back ? outcome.cores : std::vector<std::string>()) {
-    if (quarantine(*running_, core, outcome.reason)) {
-      running_->log.write(Event::quarantined, {{"core", core}, {"text", outcome.reason}});
-    }
+    quarantine(*running_, core, outcome.reason);
   }
   let_former_go(*running_, outcome);  // last: the quarantine is of the build that failed
 }

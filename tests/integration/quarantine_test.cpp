@@ -95,18 +95,35 @@ TEST_F(Quarantine, OfTheCoreOfAFaultedComponentHasOneNextStepEverywhere) {
   EXPECT_EQ(daemon.ask("component.start", again)["state"], "applied");
 }
 
-TEST_F(Quarantine, HoldsForARule) {
+TEST_F(Quarantine, IsNotForACoreThatARuleBrings) {
   Json wanted = plain();
   wanted["rules"] = {{{"name", "tries"},
                       {"when", "second.core.gain > 5"},
                       {"do", {{{"swap", "second"}, {"core", kFailing}}}}}};
   TrialDaemon daemon(wanted.dump(), options());
-  ASSERT_NO_FATAL_FAILURE(quarantine(daemon, "first"));
+  ASSERT_EQ(daemon.ask("core.swap", {{"component", "first"}, {"core", kFailing}})["state"],
+            "applied");
+  ASSERT_TRUE(was_logged(daemon, "quarantine_spared")) << daemon.errors();
+  EXPECT_EQ(daemon.component("first")["core"], "trial/steady") << "it failed on probation";
+  EXPECT_EQ(daemon.ask("quarantine.list")["cores"], Json::array());
 
   ASSERT_EQ(daemon.ask("param.set", {{"values", {{"second.core.gain", 6.0}}}})["state"], "applied");
 
-  EXPECT_EQ(audit_line("supervision", "wrong_state").value("reason", ""), "by rule tries");
-  EXPECT_EQ(daemon.component("second")["core"], "trial/steady");
+  EXPECT_TRUE(eventually([&] { return daemon.component("second")["core"] == kFailing; }));
+  EXPECT_TRUE(eventually([&] { return daemon.component("second")["state"] == "faulted"; }))
+      << "no failure leads back to what the rule removed";
+}
+
+TEST_F(Quarantine, EndsForACoreThatANewRuleBrings) {
+  TrialDaemon daemon(kTrial, options());
+  ASSERT_NO_FATAL_FAILURE(quarantine(daemon, "first"));
+  Json wanted = plain();
+  wanted["transactions"]["stand"] = {{{"swap", "second"}, {"core", kFailing}}};
+
+  ASSERT_EQ(daemon.ask("architecture.apply", {{"text", wanted.dump()}})["state"], "applied");
+
+  EXPECT_TRUE(eventually([&] { return daemon.ask("quarantine.list")["cores"].empty(); }));
+  EXPECT_TRUE(was_logged(daemon, "quarantine_spared"));
 }
 
 TEST_F(Quarantine, HoldsForARollbackToAGenerationThatWasWell) {
@@ -203,57 +220,17 @@ TEST_F(Quarantine, OfACoreThatTheFileNamesIsReportedAtTheStart) {
   EXPECT_TRUE(was_logged(daemon, "quarantine_started"));
 }
 
-class QuarantineOfAFallbackCore : public Quarantine {
- protected:
-  /// `first` fails when the file is there, and then falls back on a core that `second` tries out.
-  [[nodiscard]] std::string falling_back() const {
-    Json wanted = plain();
-    auto& first = wanted["components"]["first"];
-    first["core"] = "trial/brittle";
-    first["properties"]["core.until_there"] = failure().string();
-    first["fallback_core"] = kFailing;
-    first["task"] = {{"on_fault", "fallback"}};
-    return wanted.dump();
-  }
-  static void expect_no_fallback(TrialDaemon& daemon) {
-    EXPECT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }))
-        << daemon.component("first");
-    EXPECT_EQ(daemon.component("first")["core"], "trial/brittle");
-    EXPECT_THAT(daemon.ask("component.why", {{"component", "first"}}).dump(),
-                HasSubstr("its fallback core trial/throwing_job is in quarantine"));
-  }
-};
-
-TEST_F(QuarantineOfAFallbackCore, KeepsItFromTakingOver) {
-  TrialDaemon daemon(falling_back(), options());
-  ASSERT_NO_FATAL_FAILURE(quarantine(daemon, "second"));
-  EXPECT_EQ(daemon.ask("status.get")["lost_to_quarantine"][0]["user"],
-            "the fallback core of first");
-
-  fail();
-
-  expect_no_fallback(daemon);
-}
-
-TEST_F(QuarantineOfAFallbackCore, HoldsAfterAChangeAndAfterARestart) {
-  TrialDaemon daemon(falling_back(), options());
-  ASSERT_NO_FATAL_FAILURE(quarantine(daemon, "second"));
-  ASSERT_EQ(daemon.ask("param.set", gain(2.0))["state"], "applied") << "prepares a standby core";
-  end_and_start(daemon);
-  ASSERT_EQ(daemon.component("first")["state"], "running");
-
-  fail();
-
-  expect_no_fallback(daemon);
-}
-
-TEST_F(QuarantineOfAFallbackCore, EndsWhenTheCoreIsReleased) {
-  TrialDaemon daemon(falling_back(), options());
-  ASSERT_NO_FATAL_FAILURE(quarantine(daemon, "second"));
-  ASSERT_EQ(daemon.ask("quarantine.release", {{"core", kFailing}})["changed"], true);
-  EXPECT_THAT(daemon.ask("status.get")["lost_to_quarantine"], testing::IsEmpty());
-  // A change makes the standby core before it is answered.
-  ASSERT_EQ(daemon.ask("param.set", gain(2.0))["state"], "applied");
+TEST_F(Quarantine, IsNotForAFallbackCore) {
+  Json wanted = plain();
+  auto& first = wanted["components"]["first"];
+  first["core"] = "trial/brittle";
+  first["properties"]["core.until_there"] = failure().string();
+  first["fallback_core"] = kFailing;
+  first["task"] = {{"on_fault", "fallback"}};
+  TrialDaemon daemon(wanted.dump(), options());
+  ASSERT_EQ(daemon.ask("core.swap", {{"component", "second"}, {"core", kFailing}})["state"],
+            "applied");
+  ASSERT_TRUE(was_logged(daemon, "quarantine_spared")) << daemon.errors();
 
   fail();
 

@@ -327,25 +327,6 @@ TEST(RoverRules, DisconnectTheReceiverWhileItSeesTooFewSatellites) {
   EXPECT_GE(fired("gnss_lost"), 1);
 }
 
-TEST(Rules, ThatNeedACoreInQuarantineAreNamedByStatus) {
-  RulesDaemon daemon(supervised(R"({ "name": "bad", "when": "second.core.input > 5",
-      "do": [{ "swap": "first", "core": "trial/throwing_job" }] })"));
-  EXPECT_THAT(daemon.ask("status.get")["lost_to_quarantine"], testing::IsEmpty());
-
-  ASSERT_EQ(
-      daemon.ask("core.swap", {{"component", "first"}, {"core", "trial/throwing_job"}})["state"],
-      "applied");
-
-  ASSERT_TRUE(
-      eventually([&] { return daemon.ask("status.get")["lost_to_quarantine"].size() == 1; }));
-  const auto lost = daemon.ask("status.get")["lost_to_quarantine"][0];
-  EXPECT_EQ(lost["user"], "rule bad");
-  EXPECT_EQ(lost["core"], "trial/throwing_job");
-  EXPECT_EQ(lost["reason"], "threw: division by something");
-  EXPECT_THAT(daemon.ctl({"status"}).out,
-              HasSubstr("rule bad: does not work, because trial/throwing_job is in quarantine"));
-}
-
 TEST(Rules, SayWhenTheyFiredAndHowLongAgo) {
   RulesDaemon daemon(
       supervised(R"({ "name": "same", "when": "second.state == running", "do": "wake" })"));

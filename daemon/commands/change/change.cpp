@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "commands/answer.h"
+#include "commands/audit.h"
 #include "commands/change/change_request.h"
 #include "commands/lock.h"
 #include "commands/model.h"
@@ -107,6 +108,7 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
   if (!probation) {
     return answer(running, *call, probation.error());
   }
+  if (*probation && by_itself(*call)) (*probation)->only_undo = true;
   if (!only_starts_and_stops(running, change)) {
     change.probation = *probation;
     call->mark = *probation ? Confirmation::unconfirmed : Confirmation::confirmed;

@@ -62,9 +62,10 @@ Json probations(const Running& running) {
     const auto left = (confirms ? rules.confirm_within : rules.time) - one.passed;
     rows.push_back({{"generations", one.generations},
                     {"components", one.components},
-                    {"state", one.rolls_back ? "rolls_back"
-                              : confirms     ? "awaits_confirmation"
-                                             : "watching"},
+                    {"state", one.rolls_back    ? "rolls_back"
+                              : confirms        ? "awaits_confirmation"
+                              : rules.only_undo ? "awaits_undo"
+                                                : "watching"},
                     {"left_ns", std::max(left, Duration{0}).count()},
                     {"jobs", confirms ? Json() : Json(rules.activations)},
                     {"jobs_left", confirms ? Json() : Json(one.jobs_left)}});
@@ -170,7 +171,6 @@ Result<Json> status(Running& running, const Call& /*call*/) {
       {"components", std::move(rows)},
       {"poisoned", poisoned(running)},
       {"abandoned_threads", abandoned_threads(running)},
-      {"lost_to_quarantine", lost_to_quarantine(running)},
       {"probations", probations(running)},
       {"notes", notes_of(running)},
       {"unknown_values", lost_values(running.supervisor.engine())},

@@ -14,6 +14,8 @@
 
 namespace mauve::daemon {
 
+using logging::Event;
+
 namespace {
 
 /// "guidance/gap" -> "guidance/gap@BUILD_ID": another build is another version.
@@ -40,35 +42,9 @@ void save(Running& running) {
   }
 }
 
-/// Collects the users of cores that are in quarantine.
-class Losses {
- public:
-  explicit Losses(const Running& running) : running_(running) {}
-
-  void look_at(const std::string& user, const std::string& core) {
-    const auto found = running_.quarantined.find(version_of(core, build_of(running_, core)));
-    if (found != running_.quarantined.end()) {
-      rows_.push_back({{"user", user}, {"core", core}, {"reason", found->second}});
-    }
-  }
-  void look_at(const std::string& user, const rules::Steps& steps) {
-    for (const auto& step : steps) {
-      if (step.action == rules::Action::swap) {
-        look_at(user, step.object);
-      }
-    }
-  }
-  [[nodiscard]] Json take() { return std::move(rows_); }
-
- private:
-  const Running& running_;
-  Json rows_ = Json::array();
-};
-
-/// A transaction that only rules apply is reported with its rules.
-bool may_be_requested(const rules::Supervision& supervision, const std::string& transaction) {
-  return std::ranges::any_of(supervision.may_request, [&](const auto& entry) {
-    return std::ranges::find(entry.second, transaction) != entry.second.end();
+bool brings(const rules::Steps& steps, const std::string& core) {
+  return std::ranges::any_of(steps, [&core](const rules::Step& step) {
+    return step.action == rules::Action::swap && step.object == core;
   });
 }
 
@@ -96,15 +72,54 @@ std::string build_of(const plugin::Catalog& catalog, const std::string& core) {
   return loaded == nullptr ? std::string() : loaded->info().build_id;
 }
 
-bool quarantine(Running& running, const std::string& core, const std::string& reason) {
+std::string reaction_with(const Running& running, const std::string& core) {
   MAUVE_ON_THREAD(control);
-  const auto version = version_of(core, build_of(running, core));
-  const bool fresh = running.quarantined.emplace(version, reason).second;
-  if (fresh) {
-    save(running);
-    keep_out(running);
+  const auto& supervision = running.supervisor.supervision();
+  for (const auto& rule : supervision.rules) {
+    if (brings(rule.steps, core)) {
+      return "rule " + rule.name;
+    }
   }
-  return fresh;
+  for (const auto& [name, steps] : supervision.transactions) {
+    if (brings(steps, core)) {
+      return "transaction " + name;
+    }
+  }
+  for (const auto* component : running.architecture.components()) {
+    if (const auto& fallback = component->fallback(); fallback && fallback->core.name == core) {
+      return "the fallback core of " + component->name();
+    }
+  }
+  return {};
+}
+
+void quarantine(Running& running, const std::string& core, const std::string& reason) {
+  MAUVE_ON_THREAD(control);
+  if (const auto user = reaction_with(running, core); !user.empty()) {
+    running.log.write(Event::quarantine_spared, {{"core", core}, {"text", reason}, {"by", user}});
+    return;
+  }
+  const auto version = version_of(core, build_of(running, core));
+  if (running.quarantined.emplace(version, reason).second) {
+    save(running);
+    running.log.write(Event::quarantined, {{"core", core}, {"text", reason}});
+  }
+}
+
+void spare_reactions(Running& running) {
+  MAUVE_ON_THREAD(control);
+  const auto released = std::erase_if(running.quarantined, [&running](const auto& entry) {
+    const auto core = core_of(entry.first);
+    const auto user = reaction_with(running, core);
+    if (!user.empty()) {
+      running.log.write(Event::quarantine_spared,
+                        {{"core", core}, {"text", entry.second}, {"by", user}});
+    }
+    return !user.empty();
+  });
+  if (released > 0) {
+    save(running);
+  }
 }
 
 void restore_quarantine(Running& running) {
@@ -160,18 +175,8 @@ std::string step_to_run(const Running& running, const ComponentStatus& component
          ", then mauvectl start " + component.name + " --reset";
 }
 
-void CoresInQuarantine::replace(Names names) {
-  const MutexLock lock(mutex_);
-  names_ = std::move(names);
-}
-
-bool CoresInQuarantine::contains(const std::string& core) const {
-  const MutexLock lock(mutex_);
-  return names_.contains(core);
-}
-
-CoresInQuarantine::Names cores_kept_out(const Json& list, const plugin::Catalog& catalog) {
-  CoresInQuarantine::Names cores;
+std::set<std::string, std::less<>> cores_in(const Json& list, const plugin::Catalog& catalog) {
+  std::set<std::string, std::less<>> cores;
   for (const auto& entry : list) {
     if (const auto core = text_or(entry, "core");
         text_or(entry, "build_id") == build_of(catalog, core)) {
@@ -179,37 +184,6 @@ CoresInQuarantine::Names cores_kept_out(const Json& list, const plugin::Catalog&
     }
   }
   return cores;
-}
-
-void keep_out(const Running& running) {
-  MAUVE_ON_THREAD(control);
-  if (running.kept_out != nullptr) {
-    running.kept_out->replace(cores_kept_out(listed(running), running.catalog));
-  }
-}
-
-Json lost_to_quarantine(const Running& running) {
-  MAUVE_ON_THREAD(control);
-  if (running.quarantined.empty()) {
-    return Json::array();
-  }
-  Losses losses(running);
-  const auto& supervision = running.supervisor.supervision();
-  for (const auto& rule : supervision.rules) {
-    const auto* named = supervision.find(rule.transaction);
-    losses.look_at("rule " + rule.name, named != nullptr ? *named : rule.steps);
-  }
-  for (const auto& [name, steps] : supervision.transactions) {
-    if (may_be_requested(supervision, name)) {
-      losses.look_at("transaction " + name, steps);
-    }
-  }
-  for (const auto* component : running.architecture.components()) {
-    if (const auto& fallback = component->fallback()) {
-      losses.look_at("the fallback core of " + component->name(), fallback->core.name);
-    }
-  }
-  return losses.take();
 }
 
 Result<Json> list_quarantine(Running& running, const Call& /*call*/) {
@@ -229,7 +203,6 @@ void release_quarantine(Running& running, const CallPtr& call, Ticket /*none*/) 
                          "mauvectl quarantine lists what is"));
   }
   save(running);
-  keep_out(running);
   answer(running, *call,
          Json{{"core", core}, {"generation", running.generation.load()}, {"changed", true}});
 }

@@ -103,7 +103,7 @@ Commit::Commit(System& system, Content content, TwoPhaseCommit::Kind kind, Durat
   }
   number_ = ++system_.changes;
   if (content_->probation) {
-    rollback_ = std::make_shared<Rollback>();
+    rollback_ = std::make_shared<Rollback>(content_->probation->only_undo);
     back_number_ = ++system_.changes;
   }
   leave_stopped(system_, *content_);
@@ -220,6 +220,10 @@ Status Commit::end_probations_before() {
   for (const auto& before : std::exchange(before_, {})) {
     ProbationPeriod* const one = probation_of(system_, *before);
     if (one == nullptr || one->pass("a newer change", Outcome::Kind::overtaken)) continue;
+    if (one->rollback()->closed()) {  // by a failure, which the next look ends
+      one->overtake();
+      continue;
+    }
     return being_rolled_back(one->generations().back());
   }
   return ok();

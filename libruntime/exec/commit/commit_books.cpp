@@ -147,7 +147,12 @@ void Commit::conclude() {
   receipt_.commit = Duration{swapped.instant - system_.t0};
   receipt_.attempts = swapped.attempts;
   receipt_.warnings = content_->warnings;
-  const bool whole = swapped.state == SwapResult::State::committed && failed().empty();
+  // A change of a rule stays in force although a converter of it failed.
+  const bool stays = rollback_ != nullptr && rollback_->only_undo();
+  if (stays && !failed().empty()) {
+    receipt_.notes.push_back("the state was not converted, so the new core failed: " + failed());
+  }
+  const bool whole = swapped.state == SwapResult::State::committed && (stays || failed().empty());
   exchange_fallbacks(system_.architecture, content_->fallbacks);  // the rollback does so again
   if (barrier_ != nullptr) {
     barrier_->report(receipt_);

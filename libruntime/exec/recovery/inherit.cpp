@@ -184,6 +184,8 @@ bool can_join(const Content& change, const Content& before) {
   const bool plain = !change.barrier && !change.changes_rules && !change.in_place &&
                      !has_resources(change) && (change.probation || !brings_code(change));
   if (!plain || !before.resources.empty()) return false;
+  // A failure of the change must not lead back to before what a rule brought.
+  if (before.probation->only_undo && change.probation && !change.probation->only_undo) return false;
   return std::all_of(change.members.begin(), change.members.end(), [](const auto& member) {
     return member.part == Part::changes || member.part == Part::follows;
   });
@@ -302,19 +304,21 @@ std::vector<std::string> notes_of(const System& system, const Content& change) {
     const std::string names =
         open.components.empty() ? "" : " (" + in_words(open.components) + ")";  // rules have none
     const std::string first = std::to_string(open.generations.front());
+    const bool only_undo = change.probation ? change.probation->only_undo : open.rules.only_undo;
     if (can_join(change, one->content())) {
       const bool several = open.generations.size() > 1;
       notes.push_back(generations_in_words(open.generations) + names +
-                      (several ? " are still on probation, and this change joins them: `undo` or a "
-                                 "failure takes back all of them together"
-                               : " is still on probation, and this change joins it: `undo` or a "
-                                 "failure takes back both together") +
+                      (several ? " are still on probation, and this change joins them: "
+                               : " is still on probation, and this change joins it: ") +
+                      (only_undo ? "`undo`, but no failure," : "`undo` or a failure") +
+                      " takes back " + (several ? "all of them together" : "both together") +
                       ", back to before generation " + first +
                       "; only a `mauvectl confirm` before this change keeps " +
                       (several ? "the older ones" : "the older one"));
     } else {
       notes.push_back("the probation of " + generations_in_words(open.generations) + names +
-                      " ends early: a failure rolls back to before this change only");
+                      (only_undo ? " ends early: only `undo` rolls back, to before this change"
+                                 : " ends early: a failure rolls back to before this change only"));
     }
   }
   return notes;

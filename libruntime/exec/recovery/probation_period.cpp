@@ -18,6 +18,9 @@
 namespace mauve::exec {
 namespace {
 
+constexpr const char* kNewer = "a newer change";
+constexpr const char* kFailed = "a core of it failed, and what a rule brought is not rolled back";
+
 /// Does the resource have the parts that the change gave it?
 bool in_force(const PreparedResource& change) {
   const ResourceBase& resource = *change.resource;
@@ -106,7 +109,12 @@ void ProbationPeriod::watch() {
     for (const MemberRollback& member : members_) system_.runner->wake(*member.deployed->task);
     return;
   }
-  if (rollback_->closed()) return held_.expired() ? overtake() : void();
+  if (rollback_->closed()) {
+    if (held_.expired()) {
+      end(Outcome::Kind::overtaken, rollback_->only_undo() ? kFailed : kNewer);
+    }
+    return;
+  }
   const Probation& rules = *content_->probation;
   const Duration passed{system_.runner->now() - began_};
   if (rules.confirm_within > Duration{0}) {
@@ -152,7 +160,7 @@ bool ProbationPeriod::pass(const std::string& reason, Outcome::Kind kind) {
 void ProbationPeriod::overtake() {
   if (phase_ != Phase::watching) return;
   static_cast<void>(rollback_->close());  // or a member that failed meanwhile does
-  end(Outcome::Kind::overtaken, "a newer change");
+  end(Outcome::Kind::overtaken, kNewer);
 }
 
 void ProbationPeriod::end(Outcome::Kind kind, const std::string& reason) {

@@ -97,11 +97,6 @@ bool waits_for_standby(const System& system, const Deployed& deployed) {
 
 using Fallback = std::optional<ComponentBase::Fallback>;
 
-bool is_kept_out(const System& system, const CoreType& core) {
-  const CoresKeptOut* const out = system.options.kept_out;
-  return out != nullptr && out->contains(core.name);
-}
-
 /// Of a component that runs with this bundle; null: it was never restarted.
 std::optional<Edit> standby_of(const System& system, const std::string& component,
                                const Bundle& bundle, const Fallback& fallback,
@@ -111,7 +106,7 @@ std::optional<Edit> standby_of(const System& system, const std::string& componen
   edit.member = component;
   const bool falls_back =
       policy.action == Action::fallback || bundle.task.on_overrun == OnOverrun::fallback;
-  if (falls_back && fallback && !is_kept_out(system, fallback->core)) {
+  if (falls_back && fallback) {
     if (bundle.core_type.name == fallback->core.name) return std::nullopt;  // it is in force
     edit.core = fallback->core;
     edit.properties = fallback->properties;
@@ -139,36 +134,7 @@ std::string why_no_standby(const System& system, const Deployed& deployed) {
     return "all " + std::to_string(policy.restarts) + " restarts within " +
            format_duration(policy.per) + " are used up";
   }
-  const Fallback& fallback = component.fallback();
-  if (!fallback) return "there is no fallback core";
-  if (bundle.core_type.name == fallback->core.name) return "this is the fallback core itself";
-  return "its fallback core " + fallback->core.name + " is in quarantine";
-}
-
-/// A fallback core that is kept out does not stand by any more, unless it takes over at this
-/// moment.
-void withdraw_kept_out(System& system, Deployed& deployed) {
-  const StandbyCore& standby = deployed.standby;
-  const bool out = standby.content != nullptr && !standby.member->restart && !deployed.changing &&
-                   is_kept_out(system, standby.member->next->core_type);
-  if (!out) return;
-  TaskUpdate* const standing = deployed.task->mailbox().standby();
-  const bool there = standing != nullptr && standing->answer == standby.answer;
-  if (!there || !deployed.task->mailbox().claim_standby(*standing)) return;
-  deployed.withdrawn.push_back(
-      {std::shared_ptr<TaskUpdate>(standing), deployed.task->mailbox().quiescent_count()});
-  system.retired.keep(std::exchange(deployed.standby, {}).content);
-  system.runner->wake(*deployed.task);
-}
-
-/// The thread of the task has looked into its mailbox since, so it reads them no more.
-void free_withdrawn(System& system, Deployed& deployed) {
-  const std::uint64_t looks = deployed.task->mailbox().quiescent_count();
-  std::erase_if(deployed.withdrawn, [&](WithdrawnStandby& one) {
-    const bool unread = looks > one.looks;
-    if (unread) system.retired.keep(std::move(one.update));
-    return unread;
-  });
+  return component.fallback() ? "this is the fallback core itself" : "there is no fallback core";
 }
 
 /// False: the task has one, or runs with another bundle than the standby core was made for.
@@ -241,8 +207,6 @@ void put_in_readiness(System& system, PreparedChange& prepared) {
 void look_after_standby_cores(System& system) {
   MAUVE_ON_THREAD(control);
   for (Deployed& deployed : system.deployed) {
-    withdraw_kept_out(system, deployed);
-    free_withdrawn(system, deployed);
     StandbyCore& standby = deployed.standby;
     if (standby.content == nullptr) continue;
     const auto progress = standby.answer->progress.load(std::memory_order_acquire);
@@ -265,7 +229,6 @@ void look_after_standby_cores(System& system) {
 bool holds_stale_standby(const System& system) {
   MAUVE_ON_THREAD(control);
   return std::any_of(system.deployed.begin(), system.deployed.end(), [](const Deployed& deployed) {
-    if (!deployed.withdrawn.empty()) return true;
     return deployed.standby.content != nullptr && deployed.component != nullptr &&
            deployed.standby.member->base != deployed.component->bundle();
   });

@@ -43,12 +43,6 @@ struct StandbyCore {
   std::shared_ptr<const TaskUpdate::Answer> answer;
 };
 
-/// A withdrawn standby core; its thread may read it until its next quiescent point.
-struct WithdrawnStandby {
-  std::shared_ptr<TaskUpdate> update;
-  std::uint64_t looks = 0;  ///< of the task, when it was withdrawn
-};
-
 /// One component and the task that runs it.
 struct Deployed {
   ComponentBase* component = nullptr;  ///< null: it was let go
@@ -65,7 +59,6 @@ struct Deployed {
   bool ended = false;             ///< no thread looks at its task any more
   bool hidden = false;            ///< joins with a change under way, or left with one on probation
   StandbyCore standby;
-  std::vector<WithdrawnStandby> withdrawn;
   std::vector<Instant> restarts;  ///< the recent ones
 
   [[nodiscard]] ComponentState state() const { return task->counters().state.load(); }

@@ -271,6 +271,7 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::put_in_place(TaskUpdate& next) {
   task_.current = &next;
   task_.watch.set(next.bound, next.has_safe_values);
   if (next.other_core) {
+    task_.inherits_implausible = task_.implausible && next.answer->bytes > 0;
     counters.elapsed_last.store(0, std::memory_order_relaxed);
     counters.elapsed_max.store(0, std::memory_order_relaxed);
     counters.used_max.store(0, std::memory_order_relaxed);

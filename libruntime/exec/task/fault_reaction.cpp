@@ -19,7 +19,13 @@ namespace mauve::exec {
 
 bool FaultReaction::may_roll_back() const {
   const TaskUpdate* const back = task_.mailbox.back();
-  return back != nullptr && back->decision->instant() != kClosed;
+  if (back == nullptr || back->decision->instant() == kClosed) return false;
+  return !back->rollback->only_undo() || back->rollback->rolls_back();
+}
+
+bool FaultReaction::judges() const {
+  const TaskUpdate* const back = task_.mailbox.back();
+  return back != nullptr && !back->rollback->only_undo();
 }
 
 /// Its rollback was overtaken by another change, which the task has not applied yet.
@@ -31,7 +37,9 @@ bool FaultReaction::awaits_rollback() const {
 
 void FaultReaction::check_on_probation(const JobUse& job) {
   FaultRecord& fault = task_.report.fault();
-  if (const PortBase* port = this_job().implausible) {
+  const PortBase* const port = this_job().implausible;
+  task_.inherits_implausible = task_.inherits_implausible && port != nullptr;
+  if (port != nullptr && !task_.inherits_implausible) {
     copy_text(fault.text, port->name());
     record(Cause::implausible);
     return trigger_rollback();
@@ -71,6 +79,7 @@ void FaultReaction::record(Cause cause) {
 void FaultReaction::trigger_rollback() {
   const TaskUpdate* const back = task_.mailbox.back();
   if (back == nullptr) return;
+  if (back->rollback->only_undo()) return static_cast<void>(back->rollback->close());
   back->rollback->trigger(task_.clock, task_.report.fault(), &task_.report);
 }
 

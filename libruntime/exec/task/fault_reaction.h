@@ -49,6 +49,8 @@ class FaultReaction {
 
   /// Is the task on probation, with a rollback that is triggered or still can be?
   [[nodiscard]] bool may_roll_back() const;
+  /// Is the task on probation, and does a failure trigger the rollback?
+  [[nodiscard]] bool judges() const;
   /// A failed core waits while the rollback is under way, or while its policy promises another
   /// core. The standby core exists already, or [control] makes it or declares that there is none.
   [[nodiscard]] bool may_recover() const;

@@ -180,6 +180,7 @@ void JobRunner::account(Instant start, const JobEnd& job) {
   const TaskAttributes& attributes = task_.current->bundle->task;
   Counters& counters = task_.report.counters();
   const bool on_probation = task_.mailbox.on_probation();
+  task_.implausible = this_job().implausible != nullptr;
   JobUse use{task_.release, start, job.at, Duration{0}, {}};
   use.used = task_.meter.end(use, job.preempted, on_probation, counters);
   task_.wait = task_.state->duration();
@@ -197,7 +198,7 @@ void JobRunner::account(Instant start, const JobEnd& job) {
   if (late) use.late = Duration{use.end - deadline};
   if (late) count_overrun(use);
   if (task_.evidence.count_late(late, attributes.overrun_limit)) faults_.react_to_overruns();
-  if (task_.mailbox.on_probation()) {
+  if (faults_.judges()) {
     faults_.check_on_probation(use);
   } else {
     task_.evidence.note(late);

@@ -56,6 +56,8 @@ struct TaskContext {
   JobMeter meter;
   /// Late jobs of the last 64, at any time; on probation also the use of the budget.
   Evidence evidence;
+  bool implausible = false;           ///< its last job wrote a value that a port did not let out
+  bool inherits_implausible = false;  ///< the state is of such a core; until a job without one
   bool running = false;
   bool waiting = false;  ///< at a barrier; the task runs again after it
 

@@ -101,6 +101,11 @@ class Decision {
 /// prepared, and goes on. When the decision is committed the member goes back.
 class Rollback {
  public:
+  /// `only_undo`: see Probation.
+  explicit Rollback(bool only_undo = false) : only_undo_(only_undo) {}
+
+  /// A failure of a member does not trigger it, but closes it. [any]
+  [[nodiscard]] bool only_undo() const { return only_undo_; }
   [[nodiscard]] Decision& decision() { return decision_; }
 
   /// [any] Bounded, no lock. False: it was triggered before, is closed, or a newer change is
@@ -108,7 +113,7 @@ class Rollback {
   bool trigger(const Clock& clock, const FaultRecord& fault, const TaskReport* failed_member);
   /// Triggers the rollback by request, without a failed member.
   bool trigger(const Clock& clock, std::string_view reason);
-  /// [control] Closes the rollback: it cannot be triggered any more. False: it was triggered or
+  /// [any] Closes the rollback: it cannot be triggered any more. False: it was triggered or
   /// closed before.
   bool close() { return decision_.claim(kClosed); }
   /// [control] A newer change is about to be decided: either that change happens or this rollback.
@@ -142,6 +147,7 @@ class Rollback {
 
   void decide(const Clock& clock);
 
+  const bool only_undo_;
   Attempts decision_;
   std::atomic<Decision*> newer_{nullptr};
   std::vector<std::shared_ptr<Decision>> all_newer_;  // a member may still be looking at one

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "rt/thread/run_guarded.h"
 
+#include "rt/thread/float_environment.h"
+
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
@@ -189,6 +191,7 @@ void describe(const Fault& fault, char* text, std::size_t room) {
 }
 
 Fault run_guarded(void (*body)(void*), void* argument, const Watched& watched) {
+  use_default_float_environment();
   if constexpr (!kGuardsFaults) {
     body(argument);
     return {};

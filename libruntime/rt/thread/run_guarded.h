@@ -58,8 +58,8 @@ inline const Watched kUnwatched;
 
 /// Runs `body`, which must not throw; one body may run others. A fault in its own code ends it, and
 /// so does a call of abort(), exit(), quick_exit(), _exit() or pthread_exit(), a failed assertion
-/// or std::terminate(). A fault inside the C library does not: that may hold locks of its own.
-/// About 2 ns. [rt]
+/// or std::terminate(). A fault inside the C library does not: that may hold locks of its own. The
+/// body begins in the default floating-point environment, whatever ran on this thread before. [rt]
 [[nodiscard]] Fault run_guarded(void (*body)(void*), void* argument, const Watched& watched);
 
 /// Does the calling thread run a body?

@@ -5,6 +5,8 @@
 #include <mauve/host/architecture.h>
 #include <mauve/host/deployer.h>
 
+#include "exec/system/prepared.h"
+
 namespace mauve {
 namespace {
 

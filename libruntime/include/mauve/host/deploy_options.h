@@ -26,14 +26,6 @@ enum class Admission : std::uint8_t {
   off,     ///< do not look
 };
 
-/// Names of cores that do not stand by as fallback cores, for example since they failed before.
-class CoresKeptOut {
- public:
-  virtual ~CoresKeptOut() = default;
-  /// [control], [factory]
-  [[nodiscard]] virtual bool contains(const std::string& core) const = 0;
-};
-
 /// How a Deployer runs its architecture.
 struct DeployOptions {
   Realtime realtime = Realtime::prefer;  ///< see there
@@ -43,9 +35,6 @@ struct DeployOptions {
   Admission admission = Admission::warn;  ///< see there
   MachineCosts machine = {};              ///< the costs that admission assumes
   std::uint64_t first_generation = 1;     ///< the number after deploy(); each change adds one
-  /// May change: a core that stands by already is withdrawn at the next look. Null: each may stand
-  /// by. It outlives the deployer.
-  const CoresKeptOut* kept_out = nullptr;
   /// The stops of users, also of before the deployment: they stand. The list outlives the deployer,
   /// which adds its own stops. Null: the deployer has a list of its own.
   UserStops* stops = nullptr;

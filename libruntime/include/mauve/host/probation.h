@@ -12,9 +12,10 @@ namespace mauve {
 
 /// After the commit the old bundles stay ready until every member has run `activations` jobs with
 /// the new ones, or `time` has passed, whichever is first. A core that fails (it throws, crashes,
-/// hangs, writes an implausible value) rolls back to them at the next release. So does a core that
-/// takes too long; that needs several jobs as evidence (exec/task/evidence.h), and the probation
-/// goes on for some jobs while a core is under suspicion.
+/// hangs, writes an implausible value) rolls back to them at the next release. A core that takes
+/// over the state of one that wrote implausible values is not blamed for those until it has run a
+/// job without one. A core that takes too long rolls back too; that needs several jobs as evidence
+/// (exec/task/evidence.h), and the probation goes on for some jobs while a core is under suspicion.
 ///
 /// A change of other components leaves a probation as it is. A newer change of the same components
 /// joins it. The time begins anew, and a failure leads all of them back to before the first change,
@@ -27,6 +28,9 @@ struct Probation {
   /// is no evidence.
   unsigned misses = 2;
   unsigned window = 64;  ///< at most 64
+  /// A failure rolls nothing back, only undo() does: for what a rule brings, since a rollback would
+  /// lead back to what the rule removed. A change without this that comes later ends the probation.
+  bool only_undo = false;
 };
 
 /// Changes on probation together.

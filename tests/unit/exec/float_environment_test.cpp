@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// A core that changes rounding, subnormal numbers or traps does so for its own job.
+#include <cfenv>
+#include <cfloat>
+
+#include <gtest/gtest.h>
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+#include "support/ramp.h"
+
+namespace mauve {
+namespace {
+
+/// Shows the results of arithmetic that no compiler does before.
+struct Arithmetic : ramp::RampCore {
+  State<ramp::Position> state{*this};
+  Observable<double> third{*this, "third"};
+  Observable<bool> subnormals{*this, "subnormals"};
+  Observable<bool> traps{*this, "traps"};
+
+  void update() override {
+    volatile double one = 1.0;
+    volatile double three = 3.0;
+    volatile double smallest = DBL_MIN;
+    third = one / three;
+    subnormals = smallest / 2.0 > 0.0;
+    traps = fegetexcept() != 0;
+  }
+};
+
+/// Leaves everything changed behind.
+struct Careless : Arithmetic {
+  void update() override {
+    Arithmetic::update();
+    std::fesetround(FE_UPWARD);
+#if defined(__x86_64__)
+    _mm_setcsr(_mm_getcsr() | 0x8040U);  // flush to zero, denormals are zero
+#endif
+    feenableexcept(FE_DIVBYZERO | FE_INVALID);
+  }
+};
+
+struct Machine : ramp::One<Careless> {};
+
+class FloatEnvironment : public testing::Test {
+ protected:
+  ~FloatEnvironment() override { std::fesetenv(FE_DFL_ENV); }
+};
+
+void expect_default(const Machine& machine) {
+  const auto& core = dynamic_cast<const Arithmetic&>(*machine.control.bundle()->core);
+  EXPECT_EQ(core.third, 1.0 / 3.0);
+  EXPECT_TRUE(core.subnormals);
+  EXPECT_FALSE(core.traps);
+}
+
+TEST_F(FloatEnvironment, IsTheDefaultInEachJobOfACoreThatChangesIt) {
+  Machine architecture;
+  Deployer deployer{architecture, {.simulated = true}};
+  ASSERT_TRUE(deployer.deploy());
+
+  deployer.run_for(100ms);
+
+  expect_default(architecture);
+}
+
+TEST_F(FloatEnvironment, IsTheDefaultForACoreThatComesAfterOneThatChangedIt) {
+  Machine architecture;
+  Deployer deployer{architecture, {.simulated = true}};
+  ASSERT_TRUE(deployer.deploy());
+  deployer.run_for(50ms);
+  ASSERT_TRUE(deployer.apply(Change{{ramp::to_core<Arithmetic>("careful")}}));
+
+  deployer.run_for(50ms);
+
+  expect_default(architecture);
+}
+
+}  // namespace
+}  // namespace mauve
