@@ -127,6 +127,9 @@ Value statistic(const ComponentStatus& status, std::string_view name) {
   if (name == "over_budget") {
     return count(status.over_budget);
   }
+  if (name == "implausible") {
+    return count(status.implausible_of_core);
+  }
   return format_duration(name == "late"           ? status.late
                          : name == "lateness_max" ? status.lateness_max
                                                   : status.elapsed_max);

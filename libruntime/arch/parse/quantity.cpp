@@ -16,7 +16,7 @@ namespace {
 
 using rules::Kind;
 
-constexpr std::array<std::pair<std::string_view, Kind>, 10> kStatistics{{
+constexpr std::array<std::pair<std::string_view, Kind>, 11> kStatistics{{
     {"state", Kind::word},
     {"core", Kind::word},
     {"fsm_state", Kind::word},
@@ -24,6 +24,7 @@ constexpr std::array<std::pair<std::string_view, Kind>, 10> kStatistics{{
     {"missed", Kind::number},
     {"overruns", Kind::number},
     {"over_budget", Kind::number},
+    {"implausible", Kind::number},
     {"late", Kind::duration},
     {"lateness_max", Kind::duration},
     {"elapsed_max", Kind::duration},

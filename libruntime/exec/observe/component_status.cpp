@@ -9,8 +9,10 @@
 
 #include "exec/recovery/standby.h"
 
+#include <mauve/detail/port_base.h>
 #include <mauve/fsm.h>
 #include <mauve/host/component.h>
+#include <mauve/shell.h>
 
 namespace mauve::exec {
 namespace {
@@ -41,6 +43,14 @@ Duration lateness_of(const Bundle& bundle, Duration release, Instant since_t0) {
   const Duration time = bundle.task.deadline > Duration{0} ? bundle.task.deadline : longest;
   const Duration late = Duration{since_t0} - release - time;
   return late > longest ? late : Duration{0};
+}
+
+void count_implausible(const Bundle& bundle, ComponentStatus& status) {
+  for (const PortBase* port : bundle.shell->ports()) {
+    const ImplausibleCount count = port->implausible();
+    status.implausible += count.ever;
+    status.implausible_of_core += count.of_core;
+  }
 }
 
 }  // namespace
@@ -78,6 +88,7 @@ ComponentStatus look_at(const System& system, const Deployed& deployed) {
   status.next_release = Duration{counters.next_release.load(std::memory_order_relaxed)};
   status.watchdog = deployed.task->bound(deployed.realtime);
   status.restored = counters.restored.load(std::memory_order_relaxed);
+  count_implausible(bundle, status);
   const Instant failed_at = deployed.task->core_failure().at();
   if (status.state == ComponentState::running && failed_at != 0) {
     const bool hopeless =

@@ -10,6 +10,7 @@
 #include "exec/update/task_update.h"
 #include "rt/process/cache.h"
 
+#include <mauve/detail/port_base.h>
 #include <mauve/fsm.h>
 #include <mauve/host/component.h>
 #include <mauve/host/task_attributes.h>
@@ -275,6 +276,7 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::put_in_place(TaskUpdate& next) {
     counters.elapsed_last.store(0, std::memory_order_relaxed);
     counters.elapsed_max.store(0, std::memory_order_relaxed);
     counters.used_max.store(0, std::memory_order_relaxed);
+    for (PortBase* port : next.bundle->shell->ports()) port->begin_another_core();
   }
   if (same_bundle && next.back == nullptr && next.standby == nullptr) return;
   task_.evidence.begin_anew(!mailbox.on_probation());

@@ -141,8 +141,9 @@ template <typename T>
 Safe(T) -> Safe<T>;  ///< from its value
 
 /// Writes values to a connected service. A value without a connection is counted and dropped. So is
-/// a value that is not plausible: a core on probation is then rolled back. Never throws. Use is
-/// [rt] by the thread of the component. The first writer of a SharedData never waits.
+/// a value that is not plausible: a core on probation is then rolled back, and of any other the log
+/// says it. Never throws. Use is [rt] by the thread of the component. The first writer of a
+/// SharedData never waits.
 /// @snippet api_examples.cpp WritePort
 template <typename T>
 class WritePort final : public PortBase {
@@ -227,6 +228,7 @@ class WritePort final : public PortBase {
     Job& job = this_job();
     if (job.has_no_ports()) return false;  // abandoned in there
     if (!accepted) {
+      count_implausible();
       if (job.implausible == nullptr) job.implausible = this;
       return false;
     }

@@ -69,6 +69,37 @@ TEST(Plausibility, AnImplausibleValueIsNotLetOutAndRollsBack) {
   EXPECT_EQ(ends[0].reason, "wrote a value that is not plausible: out");
 }
 
+struct Tame : Guarded {};
+
+TEST(Plausibility, CountsTheValuesThatItDoesNotLetOutForThePresentCore) {
+  GuardedArchitecture architecture;
+  Deployer deployer{architecture, {.simulated = true}};
+  ASSERT_TRUE(deployer.deploy());
+  const PortBase& port = architecture.pump.shell().out;
+  const auto swap_in = [&](Edit core) {
+    ASSERT_TRUE(deployer.apply(Change{{std::move(core)}}));
+    deployer.run_for(100ms);
+  };
+
+  deployer.run_for(100ms);
+  EXPECT_EQ(port.implausible().ever, 0u) << "each was let out";
+  swap_in(ramp::to_core<Wild>("wild", "pump"));
+  const std::uint64_t wild = port.implausible().of_core;
+  EXPECT_GT(wild, 0u);
+  EXPECT_EQ(port.failures(), wild) << "each is a failure";
+  EXPECT_EQ(deployer.status("pump").implausible_of_core, wild);
+  EXPECT_EQ(deployer.status("pump").state, ComponentState::running) << "it is not on probation";
+
+  swap_in(ramp::to_core<Wild>("wild", "pump"));
+  const std::uint64_t both = port.implausible().of_core;
+  EXPECT_GT(both, wild) << "a fresh core with the same code";
+  swap_in(ramp::to_core<Tame>("tame", "pump"));
+  EXPECT_EQ(port.implausible().of_core, 0u);
+  EXPECT_EQ(port.implausible().ever, both);
+  EXPECT_EQ(deployer.status("pump").implausible_of_core, 0u);
+  EXPECT_EQ(deployer.status("pump").implausible, both);
+}
+
 /// Writes a number that is none, into a port that asks for finite numbers alone or for none.
 struct FiniteShell : Shell {
   WritePort<rover_like::Speeds> out{*this, "out", Safe{rover_like::Speeds{}},

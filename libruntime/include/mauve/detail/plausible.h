@@ -41,7 +41,8 @@ template <typename T>
 /// is the value before, or `value` itself at first: `[](double v, double last) { return
 /// std::abs(v - last) < 0.1; }`. A NaN or an infinity in a described field is not plausible either,
 /// unless `finite` is false; `accepts` is asked only afterwards. `Plausible<T>{}` asks for finite
-/// numbers alone. A port without Plausible checks nothing, and pays nothing.
+/// numbers alone. A port without Plausible checks nothing, and pays nothing. A value that is not
+/// let out is counted, and readers keep the value before: see PortBase::implausible().
 /// @snippet api_examples.cpp Plausible
 template <typename T>
 struct Plausible {

@@ -28,6 +28,12 @@ enum class Need : std::uint8_t {
   required,  ///< a port of any kind is named when it is left open
 };
 
+/// How many values of a port were not plausible, so that the port did not let them out.
+struct ImplausibleCount {
+  std::uint64_t ever = 0;     ///< since the port exists
+  std::uint64_t of_core = 0;  ///< of these: since its component runs the code of its present core
+};
+
 /// The result of PortBase::connect(). When the caller does not examine an error, the next
 /// configure() of the shell reports it, as it reports a refused value of a property.
 class Connected {
@@ -88,6 +94,17 @@ class PortBase {
   /// Accesses without effect: no connection, a resource that was busy for longer than the bound or
   /// is poisoned, a value that is not plausible. [any]
   [[nodiscard]] std::uint64_t failures() const { return failures_.load(std::memory_order_relaxed); }
+  /// Of the failures: values that were not plausible. [any]
+  [[nodiscard]] ImplausibleCount implausible() const {
+    const std::uint64_t before = implausible_before_.load(std::memory_order_acquire);
+    const std::uint64_t ever = implausible_.load(std::memory_order_relaxed);
+    return {ever, ever - before};
+  }
+  /// Runtime only: another core writes from now on. [rt]
+  void begin_another_core() {
+    implausible_before_.store(implausible_.load(std::memory_order_relaxed),
+                              std::memory_order_release);
+  }
   /// Runtime only: the name of the port in a trace, "control.scan". Off the real-time threads.
   void name_in_trace(std::string_view name) { trace_name_ = trace_name_id(name); }
 
@@ -111,6 +128,7 @@ class PortBase {
   /// How old a value may be; zero: no limit.
   [[nodiscard]] Duration max_age() const { return max_age_; }
   void count_failure() { failures_.fetch_add(1, std::memory_order_relaxed); }  ///< see failures()
+  void count_implausible() { implausible_.fetch_add(1, std::memory_order_relaxed); }  ///< too
   /// The trace record of one use.
   [[nodiscard]] TracedCall call_begins() const { return TracedCall(trace_name_); }
   Cursor cursor_;  ///< its place in the values of the service
@@ -126,6 +144,8 @@ class PortBase {
   Writers writers_;
   std::size_t index_;
   std::atomic<std::uint64_t> failures_{0};
+  std::atomic<std::uint64_t> implausible_{0};
+  std::atomic<std::uint64_t> implausible_before_{0};  // of cores before the present one
   std::uint32_t trace_name_ = 0;
   Shell& shell_;
   std::string_view name_;

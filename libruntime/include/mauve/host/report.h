@@ -88,6 +88,9 @@ struct ComponentStatus {
   Recovery recovery;                 ///< when recovering
   /// How often its code had changed its priority or CPUs, and the guard put that back.
   std::uint64_t restored = 0;
+  /// Values that its ports did not let out, as they were not plausible.
+  std::uint64_t implausible = 0;
+  std::uint64_t implausible_of_core = 0;  ///< of these: since it runs the code of its present core
 };
 
 /// Something that happened on a real-time thread, as reported to the [log] thread.
