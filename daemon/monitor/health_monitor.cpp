@@ -8,7 +8,6 @@
 #include <optional>
 #include <utility>
 
-#include "base/duration.h"
 #include "base/mutex.h"
 #include "base/number_list.h"
 #include "base/thread_role.h"
@@ -100,11 +99,11 @@ void HealthMonitor::run() {
 void HealthMonitor::look() {
   MAUVE_ON_THREAD(control);
   report_factory();
-  report_lock_budgets();
+  repeated_.report_locks(*running_);
   report_outcomes();
   if (++looks_ % kLooksANotice == 0) {
     notice_parked(*running_);
-    report_scheduling();
+    repeated_.report_components(*running_);
   }
   look_at_places(*running_);
   look_at_unproven(*running_);
@@ -147,43 +146,6 @@ void HealthMonitor::report_factory() {
   for (const auto& left : running_->control.look_after_factory()) {
     running_->log.write(Event::hook_abandoned,
                         {{"hook", left.hook.empty() ? std::string("user code") : left.hook}});
-  }
-}
-
-/// A resource under the same name may be another one, which begins to count anew.
-void HealthMonitor::report_lock_budgets() {
-  for (const auto* resource : running_->architecture.resources()) {
-    const auto& lock = resource->lock();
-    const auto count = lock.over_budget();
-    auto& reported = over_budget_[resource->name()];
-    if (count < reported) {
-      reported = 0;
-    }
-    if (count == 0 || count < 10 * reported) {
-      continue;
-    }
-    reported = count;
-    const auto held = std::chrono::ceil<std::chrono::microseconds>(lock.longest_held());
-    running_->log.write(Event::lock_budget_exceeded,
-                        {{"resource", resource->name()},
-                         {"held", format_duration(held)},
-                         {"lock_budget", format_duration(lock.budget())},
-                         {"count", to_signed(count)}});
-  }
-}
-
-void HealthMonitor::report_scheduling() {
-  for (const auto& one : running_->deployer.status()) {
-    auto& reported = restored_[one.name];
-    if (one.restored < reported) {
-      reported = 0;
-    }
-    if (one.restored == 0 || one.restored < 10 * reported) {
-      continue;
-    }
-    reported = one.restored;
-    running_->log.write(Event::scheduling_restored,
-                        {{"component", one.name}, {"count", to_signed(one.restored)}});
   }
 }
 

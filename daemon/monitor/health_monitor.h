@@ -11,6 +11,7 @@
 
 #include "base/mutex.h"
 #include "commands/command.h"
+#include "monitor/repeated_reports.h"
 
 namespace mauve::daemon {
 
@@ -36,8 +37,6 @@ class HealthMonitor {
   [[nodiscard]] Generation generation_of(const Outcome& outcome, const std::string& changes) const;
   void name_user(Generation& about, std::uint64_t undone) const;
   void report_factory();
-  void report_lock_budgets();
-  void report_scheduling();
   void make_standby_cores();
   [[nodiscard]] bool refused_before(const Change& standby);
   void refuse_standby(const Change& standby, const Error& error, bool for_ever);
@@ -55,12 +54,8 @@ class HealthMonitor {
     std::string why;
   };
   std::map<std::string, RefusedStandby> refused_;  ///< [control] by component
-  /// [control] By resource: how many calls of it were longer than declared when the log reported it
-  /// last.
-  std::map<std::string, std::uint64_t> over_budget_;
-  /// [control] By component: the count of put-back schedulings that the log reported last.
-  std::map<std::string, std::uint64_t> restored_;
-  unsigned looks_ = 0;  ///< [control]
+  RepeatedReports repeated_;                       ///< [control]
+  unsigned looks_ = 0;                             ///< [control]
   std::thread thread_;
 };
 
