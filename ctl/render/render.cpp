@@ -88,12 +88,21 @@ Json short_property(Json property) {
   return property;
 }
 
+/// The ports without a count that is 0.
+Json short_ports(Json ports) {
+  for (Json& port : ports) {
+    if (number(port, "implausible") == 0) port.erase("implausible");
+  }
+  return ports;
+}
+
 std::string block_of(const std::string& key, const Json& value, Look look) {
   if (key == "machine" && value.is_object()) {
     return "initial  " + word(value, "initial") + "\n" + table_of(machine_rows(value), look);
   }
   if (value.is_object()) return render_object(value, look);
   if (key == "fields") return table_of(field_rows(value), look);
+  if (key == "ports") return table_of(short_ports(value), look);
   if (key != "properties") return table_of(value, look);
   Json rows = Json::array();
   for (const Json& property : value) rows.push_back(short_property(property));

@@ -41,6 +41,14 @@ std::string render_pending(const Json& status, Look look) {
   for (const Json& one : list_in(status, "notes")) {
     add("note: " + word(one, "address") + " " + word(one, "text"));
   }
+  for (const Json& one : list_in(status, "components")) {
+    const auto name = word(one, "name");
+    if (const auto values = whole_number(one, "implausible"); values > 0) {
+      add(name + ": " + counted(values, "value") + " of its present core " +
+          (values > 1 ? "were" : "was") + " not plausible, so no reader gets " +
+          (values > 1 ? "them" : "it") + ": mauvectl why " + name);
+    }
+  }
   for (const Json& one : list_in(status, "unknown_values")) {
     add(word(one, "address") + " is " + word(one, "text") + ": mauvectl rules");
   }

@@ -122,6 +122,17 @@ std::string lateness_in_words(const Json& why, bool failed) {
          (text.empty() ? "" : ", " + text);
 }
 
+/// "output (12 values were not plausible), grip (1 value was not plausible)"
+std::string implausible_in_words(const Json& why) {
+  std::string text;
+  for (const Json& one : list_in(why, "implausible")) {
+    const auto values = whole_number(one, "count");
+    join(text, word(one, "port") + " (" + counted(values, "value") +
+                   (values > 1 ? " were" : " was") + " not plausible)");
+  }
+  return text;
+}
+
 /// The failure is history: the lateness has another reason.
 bool is_late_after(const Json& why) { return member(why, "late_after") == true; }
 
@@ -137,6 +148,9 @@ std::string why_heading(const Json& why, const Json& failure) {
   const bool failed = failure.is_object();
   if (failed && !is_late_after(why)) return line;
   if (const auto late = lateness_in_words(why, failed); !late.empty()) return line + "; " + late;
+  if (!failed && !list_in(why, "implausible").empty()) {
+    return line + "; did not fail, but its core writes values that are not plausible";
+  }
   return failed ? line : line + "; nothing failed since mauved began, " + word(why, "since");
 }
 
@@ -169,6 +183,9 @@ std::string render_why(const Json& why, Look look) {
     join(counts, kernel, "; ");
   }
   text.add("counted", counts);
+  if (const auto ports = implausible_in_words(why); !ports.empty()) {
+    text.add("withheld", "by " + ports + ": readers keep the value before");
+  }
   text.add("poisoned", listed(list_in(why, "poisoned")));
   for (const Json& one : list_in(why, "quarantine")) {
     text.add("kept out", word(one, "core") + ": it " + word(one, "reason"));

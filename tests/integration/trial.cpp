@@ -298,6 +298,28 @@ class Forgetful final : public TrialCore {
   void update() override {}
 };
 
+/// Its port lets out numbers only.
+struct CheckedShell : mauve::Shell {
+  mauve::WritePort<double> output{*this, "output", mauve::Safe{-1.0}, mauve::Plausible<double>{}};
+};
+/// Writes `bad` times a value that is no number, in all jobs together, and otherwise one.
+class Checked : public mauve::Core<CheckedShell> {
+ public:
+  using Contract = Checked;
+  static constexpr const char* contract = "trial/checked/1";
+
+  virtual void update() {
+    const bool wrong = state->count < bad;
+    if (wrong) ++state->count;
+    shell().output.write(wrong ? std::numeric_limits<double>::quiet_NaN() : 1.0);
+  }
+
+ private:
+  mauve::State<Memory> state{*this};
+  mauve::Property<std::int64_t> bad{*this, "bad", 0, "values that are no number"};
+};
+class CheckedAgain final : public Checked {};
+
 struct AnotherShell : mauve::Shell {};
 class AnotherCore : public mauve::Core<AnotherShell> {
  public:
@@ -340,6 +362,10 @@ MAUVE_PLUGIN(plugin) {
   plugin.core<trial::Hanging>("hanging");
   plugin.core<trial::Forgetful>("forgetful");
   plugin.core<trial::AnotherCore>("another");
+  plugin.core<trial::Checked>("checked");
+  plugin.core<trial::CheckedAgain>("checked_again");
+  plugin.component<trial::CheckedShell, mauve::PeriodicFsm<trial::Checked>>("checked_unit",
+                                                                            "checked");
   plugin.component<trial::TrialShell, mauve::PeriodicFsm<trial::TrialCore>>("unit", "steady");
   plugin.resource<mauve::EmptyShell, trial::MeterCore, trial::MeterInterface>("meter");
   plugin.resource<mauve::EmptyShell, trial::MuteCore, trial::MuteInterface>("mute");

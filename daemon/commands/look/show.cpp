@@ -48,6 +48,9 @@ Json whole_port_row(const Element& element, const PortBase& port) {
     row["safe_value"] = port.has_safe_value();
   }
   row["failures"] = port.failures();
+  if (port.signature().kind == PortKind::write) {
+    row["implausible"] = port.implausible().of_core;
+  }
   return row;
 }
 
@@ -131,6 +134,7 @@ Json counters_of(const ComponentStatus& status) {
           {"missed", status.missed},
           {"overruns", status.overruns},
           {"over_budget", status.over_budget},
+          {"implausible", status.implausible_of_core},
           {"late_ns", status.late.count()},
           {"lateness_last_ns", status.lateness_last.count()},
           {"lateness_max_ns", status.lateness_max.count()},

@@ -122,6 +122,7 @@ Json row_of(const Running& running, const ComponentStatus& one) {
               {"missed", one.missed},
               {"overruns", one.overruns},
               {"over_budget", one.over_budget},
+              {"implausible", one.implausible_of_core},
               {"late_ns", one.late.count()},
               {"period_ns", one.period.count()},
               {"next_release_ns", one.next_release.count()},

@@ -154,14 +154,16 @@ void add_status(Page& page, const std::vector<ComponentStatus>& all) {
     const char* help;
     std::uint64_t ComponentStatus::*value;
   };
-  constexpr std::array<Counter, 5> kCounters{
+  constexpr std::array<Counter, 6> kCounters{
       {{"releases_total", "Jobs that ran.", &ComponentStatus::releases},
        {"missed_releases_total", "Releases that never ran.", &ComponentStatus::missed},
        {"overruns_total", "Jobs that ended after their wait or deadline.",
         &ComponentStatus::overruns},
        {"faults_total", "Jobs that threw, crashed or hung.", &ComponentStatus::faults},
        {"over_budget_total", "Jobs longer than the declared budget.",
-        &ComponentStatus::over_budget}}};
+        &ComponentStatus::over_budget},
+       {"implausible_values_total", "Values that a port did not let out.",
+        &ComponentStatus::implausible}}};
   for (const auto& counter : kCounters) {
     page.family(counter.name, "counter", counter.help);
     for (const auto& one : all) {

@@ -10,6 +10,7 @@
 #include "commands/model.h"
 #include "commands/recovery/quarantine.h"
 #include "exec/update/fault_record.h"
+#include "mauve/detail/port_base.h"
 #include "mauve/host/architecture.h"
 #include "mauve/service.h"
 #include "monitor/own_job.h"
@@ -209,6 +210,18 @@ bool late_after(const Running& running, const ComponentStatus& status, const Fai
          });
 }
 
+/// The ports that did not let out values of the present core.
+Json implausible_of(const ComponentBase& component) {
+  Json ports = Json::array();
+  for (const auto* port : component.shell().ports()) {
+    const auto count = port->implausible().of_core;
+    if (count > 0) {
+      ports.push_back({{"port", port->name()}, {"count", count}});
+    }
+  }
+  return ports;
+}
+
 Json records_of(const Running& running, const std::string& name, const Failure* failure) {
   const auto records = failure != nullptr ? failure->records : newest_records(running, name);
   Json rows = Json::array();
@@ -263,6 +276,7 @@ Result<Json> why(Running& running, const Call& call) {
                  {"missed", status.missed},
                  {"overruns", status.overruns},
                  {"over_budget", status.over_present_budget},
+                 {"implausible", implausible_of(**component)},
                  {"unmeasured", status.unmeasured},
                  {"budget_ns", status.budget.count()},
                  {"elapsed_max_ns", status.elapsed_max.count()},
@@ -291,6 +305,9 @@ Result<Json> why(Running& running, const Call& call) {
   }
   if (!later) {
     add_steps_of_a_late_one(running, status, failure != nullptr, hints);
+  }
+  if (failure == nullptr && status.implausible_of_core > 0) {
+    hints.push_back("mauvectl explain implausible_value: what readers get, and what to correct");
   }
   return result;
 }

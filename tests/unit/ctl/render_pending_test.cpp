@@ -60,5 +60,17 @@ TEST(RenderPending, CountsCoresInQuarantine) {
             "2 cores are in quarantine: mauvectl quarantine\n");
 }
 
+TEST(RenderPending, NamesComponentsWhoseValuesAreNotPlausible) {
+  Json status = Json::parse(R"({"generation": 4, "architecture": "a", "components": [
+      {"name": "arm", "state": "running", "implausible": 1},
+      {"name": "leg", "state": "running", "implausible": 0}]})");
+
+  const std::string text = render_status(status, {});
+
+  EXPECT_THAT(text, testing::HasSubstr("\narm: 1 value of its present core was not plausible, so "
+                                       "no reader gets it: mauvectl why arm\n"));
+  EXPECT_THAT(text, testing::Not(testing::HasSubstr("leg: ")));
+}
+
 }  // namespace
 }  // namespace mauve::ctl

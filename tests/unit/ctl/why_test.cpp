@@ -188,5 +188,24 @@ TEST(Why, OfAnAnswerThatMakesNoSenseDoesNotFail) {
   }
 }
 
+TEST(Why, NamesThePortsThatDidNotLetValuesOut) {
+  Json answer = without_failure();
+  answer["implausible"] = Json::parse(R"([{"port": "grip", "count": 1},
+                                          {"port": "speed", "count": 12}])");
+
+  std::string text = render_why(answer, {});
+  EXPECT_THAT(text, testing::StartsWith(
+                        "control: running, core g/gap; did not fail, but its core writes values "
+                        "that are not plausible\n"));
+  EXPECT_THAT(text, testing::HasSubstr(
+                        "withheld  by grip (1 value was not plausible), speed (12 values were not "
+                        "plausible): readers keep the value before\n"));
+
+  answer["missed"] = 2;
+  text = render_why(answer, {});
+  EXPECT_THAT(text, testing::StartsWith("control: running, core g/gap; did not fail, but is late"));
+  EXPECT_THAT(text, testing::HasSubstr("withheld  by grip"));
+}
+
 }  // namespace
 }  // namespace mauve::ctl
