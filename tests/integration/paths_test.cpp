@@ -55,8 +55,10 @@ class Paths : public testing::Test {
     return answer.contains("error") ? answer["error"].value("name", answer.dump()) : "";
   }
 
-  TempDir place_;
-  TempDir other_;
+  // Not below /dev, where other folders of tests may be: no path that leads to files is allowed
+  // there.
+  TempDir place_{"/tmp"};
+  TempDir other_{"/tmp"};
   std::optional<DaemonProcess> daemon_;
 };
 

@@ -14,9 +14,9 @@ namespace mauve::test {
 
 class TempDir {
  public:
-  TempDir() {
+  explicit TempDir(const std::filesystem::path& parent = std::filesystem::temp_directory_path()) {
     // mkdtemp(3) replaces the six letters X, which it demands, by a name of its own.
-    std::string pattern = (std::filesystem::temp_directory_path() / "mauve-test-XXXXXX").string();
+    std::string pattern = (parent / "mauve-test-XXXXXX").string();
     if (mkdtemp(pattern.data()) == nullptr) {
       throw std::runtime_error("cannot make a directory for the test");
     }
