@@ -3,6 +3,8 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <exception>
 #include <iostream>
 #include <string>
@@ -42,6 +44,15 @@ int refuse_use(const Misuse& misuse) {
   return misuse.fault.exit;
 }
 
+/// A file of which a part is missing must not look like a whole one.
+int refuse_output(const std::string& reason) {
+  std::cout.exceptions(std::ios::goodbit);
+  std::cerr << "error: the output of mauvectl cannot be written: " << reason
+            << "\n  state  : mauved carries out what it was asked for all the same\n"
+               "  hint   : free the disk that standard output leads to, then ask for it again\n";
+  return 1;
+}
+
 int run(const std::vector<std::string>& words) {
   if (!words.empty() && words.front() == "__complete") {
     std::cout << completion_lines(complete({words.begin() + 1, words.end()}));
@@ -68,8 +79,13 @@ int main(int count, char** words) {
   signal(SIGTERM, end_at_once);
   // The last door: a full memory or a library's surprise is an error with an exit code, not a
   // crash.
+  std::cout.exceptions(std::ios::badbit);
   try {
-    return run({words + 1, words + count});
+    const int exit = run({words + 1, words + count});
+    std::cout.flush();
+    return exit;
+  } catch (const std::ios::failure&) {
+    return refuse_output(std::strerror(errno));
   } catch (const std::exception& error) {
     std::cerr << "error: mauvectl failed: " << error.what() << '\n';
     return 1;

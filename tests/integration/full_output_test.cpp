@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// A full disk behind the standard output of mauvectl is an error, not a short file.
+#include "trial_daemon.h"
+
+namespace mauve::test {
+namespace {
+
+using testing::HasSubstr;
+
+/// The exit code of a command of the shell, whose errors are in `errors`.
+int exit_of(const std::string& command, const std::filesystem::path& errors) {
+  Process shell({"/bin/sh", "-c", MAUVE_BIN_DIR "/mauvectl " + command}, errors.string());
+  return shell.wait();
+}
+
+TEST(FullOutput, IsAnErrorOfEachCommandThatPrints) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "NOT TESTED: there is no /dev/full";
+  TrialDaemon daemon;
+  daemon.ask("ping");  // it serves
+  const TempDir place;
+  const std::string socket = "--socket " + daemon.socket().string() + " ";
+  for (const std::string& command :
+       {std::string("--help"), std::string("--version"), std::string("help status"),
+        std::string("completion bash"), socket + "export", socket + "status",
+        socket + "status --json", socket + "metrics", socket + "graph", socket + "logs",
+        socket + "watch first.core.gain", socket + "logs --follow"}) {
+    EXPECT_EQ(exit_of(command + " >/dev/full", place / "errors"), 1) << command;
+    EXPECT_THAT(TempDir::read(place / "errors"), HasSubstr("No space left on device")) << command;
+  }
+}
+
+TEST(FullOutput, SaysThatAChangeIsInForceAllTheSame) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "NOT TESTED: there is no /dev/full";
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.value("first.core.gain"), 1.0);
+  const TempDir place;
+
+  EXPECT_EQ(exit_of("--socket " + daemon.socket().string() + " set first.core.gain=3 >/dev/full",
+                    place / "errors"),
+            1);
+
+  EXPECT_THAT(TempDir::read(place / "errors"), HasSubstr("carries out what it was asked for"));
+  EXPECT_EQ(daemon.value("first.core.gain"), 3.0);
+}
+
+}  // namespace
+}  // namespace mauve::test
