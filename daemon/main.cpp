@@ -2,12 +2,14 @@
 #include <exception>
 #include <iostream>
 
+#include "base/thread_role.h"
 #include "daemon.h"
 #include "judge/child.h"
 #include "options.h"
 
 int main(int argc, char** argv) {
   using namespace mauve::daemon;
+  mauve::keep_c_locale();
   try {
     const auto parsed = parse_options(argc, argv);
     if (const auto* leave = std::get_if<Leave>(&parsed)) {

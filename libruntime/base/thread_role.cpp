@@ -3,6 +3,8 @@
 
 #include <sys/prctl.h>
 
+#include <locale.h>
+
 #include <array>
 #include <cstdio>
 #include <cstdlib>
@@ -30,7 +32,15 @@ void begin_thread(ThreadRole role) {
   take_thread_role(role);
 }
 
-void take_thread_role(ThreadRole role) { role_here() = role; }
+void take_thread_role(ThreadRole role) {
+  role_here() = role;
+  keep_c_locale();
+}
+
+void keep_c_locale() {
+  static const locale_t c = newlocale(LC_ALL_MASK, "C", nullptr);  // lives as long as the process
+  uselocale(c);
+}
 
 ThreadRole thread_role() { return role_here(); }
 

@@ -35,8 +35,12 @@ enum class ThreadRole : std::uint8_t {
 /// Gives the calling thread this role until it ends, and its name "mauve-control" in the system.
 /// [any but rt]
 void begin_thread(ThreadRole role);
-/// Of the calling thread. Real-time threads have the names of their components.
+/// Of the calling thread, with keep_c_locale(). Real-time threads have the names of their
+/// components.
 void take_thread_role(ThreadRole role);
+/// The calling thread writes and reads numbers as the C locale does, whatever a plugin sets with
+/// setlocale(), which is of the whole process.
+void keep_c_locale();
 [[nodiscard]] ThreadRole thread_role();
 
 /// Ends the process when the calling thread has a role, and it is another one.
