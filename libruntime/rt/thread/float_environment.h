@@ -9,7 +9,7 @@
 namespace mauve::rt {
 
 /// Rounding to nearest, subnormal numbers as they are, no traps, no flags: as a process begins. The
-/// values are those of the System V ABI for x86-64, section 3.4.1; fesetenv() takes 40 ns there,
+/// values are those of the System V ABI for x86-64, section 3.4.1; fesetenv() takes 80 ns there,
 /// this 3 ns. [any]
 inline void use_default_float_environment() {
 #if defined(__x86_64__)
