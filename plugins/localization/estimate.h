@@ -88,7 +88,7 @@ inline constexpr int kRecent = 16;
 struct Rival {
   std::int32_t agreeing = 0;
   double since = 0.0;              ///< s, the first of them
-  std::array<double, 2> offset{};  ///< of the last of them from what the filter expects
+  std::array<double, 2> offset{};  ///< of the last reading from the prediction
 };
 
 /// All that the filter knows.

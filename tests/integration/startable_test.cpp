@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // Every system that a change leaves can be started: after a crash it comes back, with the rules and
-// transactions that name what the change took away.
+// transactions that name an element which the change took away.
 #include "kept_daemon.h"
 #include "rt/thread/run_guarded.h"
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The floating-point environment of a thread: rounding, subnormal numbers, traps. A function has
-/// to put back what it changes. One that does not changes the arithmetic of all code that the
-/// thread runs later.
+/// The floating-point environment of a thread: rounding, subnormal numbers, traps. A function must
+/// restore it. If it does not, the arithmetic of all code that the thread runs later is another.
 #pragma once
 
 #include <cfenv>

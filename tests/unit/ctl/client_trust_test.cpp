@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// Whom mauvectl believes to be mauved.
+// mauvectl checks the user of the process that listens on the socket.
 #include <sys/stat.h>
 #include <unistd.h>
 

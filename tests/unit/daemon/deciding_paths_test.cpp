@@ -29,7 +29,7 @@ TEST(DecidingPaths, OfASocketOfAnotherUserLeadToASocketOfOnesOwn) {
   EXPECT_THAT(state->hint, HasSubstr("chown root"));
 }
 
-/// As /tmp is: whoever comes first listens there, also in place of the guardian.
+/// As /tmp: any user may listen there first, also in place of the guardian.
 TEST(DecidingPaths, MayNotPutASocketWhereEverybodyMayListen) {
   const test::TempDir folder;
   std::filesystem::permissions(folder.path(),

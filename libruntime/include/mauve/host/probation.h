@@ -28,8 +28,8 @@ struct Probation {
   /// is no evidence.
   unsigned misses = 2;
   unsigned window = 64;  ///< at most 64
-  /// A failure rolls nothing back, only undo() does: for what a rule brings, since a rollback would
-  /// lead back to what the rule removed. A change without this that comes later ends the probation.
+  /// Only undo() rolls the change back, and no failure does. A rule sets it, since a rollback would
+  /// bring back the core that the rule removed. A later change without it ends this probation.
   bool only_undo = false;
 };
 
