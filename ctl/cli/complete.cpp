@@ -19,8 +19,6 @@
 namespace mauve::ctl {
 namespace {
 
-constexpr std::chrono::milliseconds kMoment{500};
-
 using Words = std::vector<std::string>;
 
 /// The command line as far as it is understood: options are left out of `positionals`.
@@ -29,6 +27,7 @@ struct Typed {
   Words positionals;
   const Argument* waiting = nullptr;  ///< the option that the last word is the value of
   std::string socket;
+  std::chrono::milliseconds within{};  ///< for an answer of the daemon
 };
 
 /// "-n" and "--lines" both mean "-n,--lines".
@@ -106,7 +105,9 @@ const Argument* next_positional(const Typed& typed) {
 class Live {
  public:
   explicit Live(const Typed& typed)
-      : client_(typed.socket.empty() ? protocol::default_socket_path() : typed.socket, kMoment),
+      : client_(typed.socket.empty() ? protocol::default_socket_path() : typed.socket,
+                typed.within),
+        within_(typed.within),
         connected_(!client_.connect()) {}
 
   Words names(std::string_view method, const Json& params = Json::object()) {
@@ -182,7 +183,7 @@ class Live {
  private:
   Json ask(std::string_view method, const Json& params) {
     if (!connected_) return {};
-    auto answer = client_.call(method, params, kMoment);
+    auto answer = client_.call(method, params, within_);
     return std::holds_alternative<Json>(answer) ? std::get<Json>(std::move(answer)) : Json();
   }
 
@@ -219,6 +220,7 @@ class Live {
   }
 
   Client client_;
+  std::chrono::milliseconds within_;
   bool connected_;
 };
 
@@ -335,10 +337,12 @@ Completion all_completions(const Typed& typed, const std::string& begun) {
 
 }  // namespace
 
-Completion complete(const std::vector<std::string>& words) {
+Completion complete(const std::vector<std::string>& words, std::chrono::milliseconds within) {
   if (words.empty()) return {};
   const std::string& begun = words.back();
-  Completion result = all_completions(understand(words), begun);
+  Typed typed = understand(words);
+  typed.within = within;
+  Completion result = all_completions(typed, begun);
   Candidates& all = result.candidates;
   std::erase_if(all, [&](const Candidate& one) { return !one.word.starts_with(begun); });
   std::sort(all.begin(), all.end(),

@@ -3,6 +3,7 @@
 /// the daemon.
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,8 +23,10 @@ struct Completion {
 };
 
 /// `words`: the command line after the program, the last one is the one to be completed (it may be
-/// empty). A daemon that does not answer within a moment adds nothing, without a message.
-[[nodiscard]] Completion complete(const std::vector<std::string>& words);
+/// empty). A daemon that does not answer `within` this time adds nothing, without a message.
+[[nodiscard]] Completion complete(
+    const std::vector<std::string>& words,
+    std::chrono::milliseconds within = std::chrono::milliseconds(500));
 
 /// The output of `mauvectl __complete` for the scripts of all shells. It has a line for each
 /// candidate, with its text after a tab, and ":files" where the shell must add its own file names.

@@ -261,7 +261,7 @@ TEST(WaitForACondition, EndsWhenItHoldsAndWithExitCodeThreeWhenTheTimePasses) {
   ASSERT_EQ(daemon.ctl({"write", "spare.write", "0.25"}).exit, 0);
 
   EXPECT_EQ(daemon.ctl({"wait", "--for", "spare.read > 0.2"}).exit, 0);
-  const auto late = daemon.ctl({"wait", "--for", "spare.read > 0.3", "--timeout", "200ms"});
+  const auto late = daemon.ctl({"wait", "--for", "spare.read > 0.3", "--timeout", "3s"});
   EXPECT_EQ(late.exit, 3);
   EXPECT_THAT(late.out, HasSubstr("spare.read is 0.25"));
   EXPECT_EQ(daemon.ctl({"wait", "--for", "spare.raed > 0.3"}).exit, 4);
@@ -271,7 +271,7 @@ TEST(WaitForACondition, EndsWhenItHoldsAndWithExitCodeThreeWhenTheTimePasses) {
 TEST(WaitForACondition, IsRefusedAsInARuleWhereItCanNeverHold) {
   Operated daemon(wide());
   const auto refusal = [&](const std::string& condition) {
-    const auto said = daemon.ctl({"wait", "--for", condition, "--timeout", "200ms"});
+    const auto said = daemon.ctl({"wait", "--for", condition, "--timeout", "1min"});
     EXPECT_EQ(said.exit, 1) << condition;
     return errors_of(daemon);
   };

@@ -49,8 +49,8 @@ TEST_F(Generations, OfAFinalChangeAreConfirmedInWhateverOrderTheOthersAreUndone)
 TEST_F(Generations, AreConfirmedWhenTheTimesToConfirmOthersRunOutOldestFirst) {
   TrialDaemon daemon(with_third(), options());
   ASSERT_EQ(daemon.ask("change.confirm")["saved"], true) << "it has just been started";
-  ASSERT_EQ(daemon.ask("param.set", set_until_confirmed("first", "1s"))["generation"], 2);
-  ASSERT_EQ(daemon.ask("param.set", set_until_confirmed("second", "2s"))["generation"], 3);
+  ASSERT_EQ(daemon.ask("param.set", set_until_confirmed("first", "8s"))["generation"], 2);
+  ASSERT_EQ(daemon.ask("param.set", set_until_confirmed("second", "9s"))["generation"], 3);
   ASSERT_EQ(daemon.ask("param.set", final_set())["generation"], 4);
 
   EXPECT_TRUE(eventually([&] {

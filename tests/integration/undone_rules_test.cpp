@@ -130,15 +130,16 @@ TEST(Rules, DoNotPromiseToFireAgainBeyondTheirLimit) {
 
 TEST(Rules, ThatALockHoldsAreReportedOnceAndShownByStatus) {
   RulesDaemon daemon(
-      supervised(R"({ "name": "busy", "when": "second.core.count > 20", "do": "deaf" })"));
-  daemon.ask("lock.set", {{"lock", "all"}});
+      supervised(R"({ "name": "busy", "when": "first.core.gain > 5", "do": "deaf" })"));
+  daemon.ask("lock.set", {{"lock", "topology"}});
+  daemon.set("first.core.gain", 6.0);
 
   ASSERT_TRUE(eventually([&] { return daemon.rule("busy")["state"] == "held"; }));
 
   EXPECT_TRUE(eventually([&] { return daemon.events("rule_blocked", "rule busy") == 1; }));
   EXPECT_THAT(daemon.ctl({"status"}).out,
               HasSubstr("rule busy has no effect although its condition "
-                        "holds: everything is locked"));
+                        "holds: topology is locked"));
   EXPECT_EQ(daemon.events("rule_blocked"), 1U);
 }
 

@@ -15,10 +15,12 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-/// The words alone, as every shell inserts them.
+/// The words alone, as every shell inserts them; a slow machine has time for the answers.
 Words completed(const Words& words) {
   Words result;
-  for (const auto& one : complete(words).candidates) result.push_back(one.word);
+  for (const auto& one : complete(words, std::chrono::minutes(1)).candidates) {
+    result.push_back(one.word);
+  }
   return result;
 }
 
