@@ -38,8 +38,9 @@ struct Checked {
 };
 
 struct Verdict {
-  std::optional<Violation> first;  ///< violation, by time
-  std::uint64_t found = 0;         ///< all of them
+  std::optional<Violation> first;                 ///< violation, by time
+  std::uint64_t found = 0;                        ///< all of them
+  std::map<std::string, std::uint64_t> found_of;  ///< of these, by rule
   Checked checked;
   std::vector<std::string> not_checked;  ///< the rules, and why; a sentence each
 

@@ -53,6 +53,7 @@ Component component_of(const Json& json) {
   if (json.contains("scheduled_ns")) component.scheduled = integer(json["scheduled_ns"]);
   if (json.contains("timed_ns")) component.timed = integer(json["timed_ns"]);
   if (json.contains("bound_ns")) component.bound = integer(json["bound_ns"]);
+  component.measured = json.value("bound_measured", Json()) == true;
   for (const Json& cpu : list_in(json, "cpus")) {
     if (const auto number = integer(cpu)) component.cpus.push_back(*number);
   }

@@ -54,6 +54,7 @@ class Findings {
   const Trace& trace_;
   std::optional<Violation> first_;
   std::uint64_t found_ = 0;
+  std::map<std::string, std::uint64_t> found_of_;
   std::map<std::string, std::uint64_t> left_out_;
 };
 

@@ -35,6 +35,7 @@ Json json_of(const std::string& file, const Verdict& verdict) {
   Json json{{"file", file},
             {"holds", verdict.holds()},
             {"violations", verdict.found},
+            {"violations_of", verdict.found_of},
             {"first", nullptr},
             {"checked", json_of(verdict.checked)},
             {"not_checked", verdict.not_checked}};
@@ -42,21 +43,24 @@ Json json_of(const std::string& file, const Verdict& verdict) {
   return json;
 }
 
-std::string render(const Violation& violation, std::uint64_t found, bool colour) {
+std::string render(const Violation& violation, const Verdict& verdict, bool colour) {
   std::string text = painted("violated: ", Paint::red, colour) + harmless(violation.message) +
                      "\n  rule   : " + violation.rule +
                      "\n  where  : " + harmless(violation.thread) + " at " +
                      mtrace::instant_in_words(violation.time);
   if (violation.line > 0) text += ", line " + std::to_string(violation.line);
   text += "\n  hint   : " + violation.hint + "\n";
-  if (found > 1) text += "  and " + counted(found - 1, "violation") + " after it\n";
-  return text;
+  if (verdict.found == 1) return text;
+  std::string rules;
+  for (const auto& [rule, times] : verdict.found_of)
+    join(rules, std::to_string(times) + " of " + rule);
+  return text + "  " + counted(verdict.found, "violation") + ", this is the first: " + rules + "\n";
 }
 
 std::string render(const Verdict& verdict, bool colour) {
   const Checked& checked = verdict.checked;
   std::string text = verdict.holds() ? painted("the trace obeys the model\n", Paint::green, colour)
-                                     : render(*verdict.first, verdict.found, colour);
+                                     : render(*verdict.first, verdict, colour);
   if (checked.missed > 0) {
     text += "missed: " + counted(checked.missed, "release") +
             ", which the model permits to a late component\n";

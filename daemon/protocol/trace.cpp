@@ -25,6 +25,7 @@ Json component_json(const TraceComponent& component) {
   if (component.scheduled) json["scheduled_ns"] = *component.scheduled;
   if (component.timed) json["timed_ns"] = *component.timed;
   if (component.bound) json["bound_ns"] = *component.bound;
+  if (component.measured) json["bound_measured"] = true;
   return json;
 }
 

@@ -41,6 +41,7 @@ struct TraceComponent {
   std::int64_t deadline = 0;
   std::int64_t budget = 0;
   std::optional<std::int64_t> bound;  ///< of its response, as admitted
+  bool measured = false;              ///< the bound rests on measured execution times
   std::vector<TraceState> states;
 
   [[nodiscard]] const TraceState* state(std::string_view called) const;

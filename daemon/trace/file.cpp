@@ -40,6 +40,7 @@ protocol::TraceComponent on_wire(const TracedComponent& component) {
   wire.budget = component.budget.count();
   if (component.bound > Duration{0}) {
     wire.bound = component.bound.count();
+    wire.measured = component.measured;
   }
   for (const auto& state : component.states) {
     wire.states.push_back({state.name, state.waits, state.wait.count()});

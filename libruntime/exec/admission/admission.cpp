@@ -238,12 +238,12 @@ bool admit_standby(System& system, const PreparedChange::Content& change,
   return admits(model_of(system).set(), model_after(system, change, &standby).set());
 }
 
-std::map<std::string, Duration> responses(System& system) {
+Responses responses(System& system) {
   MAUVE_ON_THREAD(control);
   const TimingModel model = model_of(system);
-  std::map<std::string, Duration> known;
+  Responses known{{}, model.measures()};
   for (const analysis::TaskReport& task : analysis::analyze(model.set()).tasks) {
-    if (const auto response = response_of(task)) known.emplace(task.name, *response);
+    if (const auto response = response_of(task)) known.bounds.emplace(task.name, *response);
   }
   return known;
 }

@@ -29,8 +29,13 @@ Status admit_deployment(System& system);
 
 /// The timing of the running system. [control]
 [[nodiscard]] Timing analyze(System& system);
-/// Only the response of each component, where it is known: a small part of the work. [control]
-[[nodiscard]] std::map<std::string, Duration> responses(System& system);
+/// The bound on the response of each component, where one is known.
+struct Responses {
+  std::map<std::string, Duration> bounds;
+  bool measured = false;  ///< they rest on a measured time, which a job may exceed
+};
+/// A small part of the work of analyze(). [control]
+[[nodiscard]] Responses responses(System& system);
 /// The timing of an architecture that is not deployed, from its declared times. A component that
 /// names no CPUs gets those that a deployer would choose. Its state machines are configured, and
 /// cleaned up afterwards.

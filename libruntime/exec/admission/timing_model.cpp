@@ -122,6 +122,20 @@ std::vector<LockTiming> TimingModel::locks() const {
   return locks;
 }
 
+bool TimingModel::measures() const {
+  const auto measured_job = [](const analysis::Vertex& job) {
+    return job.source == analysis::Source::measured;
+  };
+  const auto measured_task = [&](const analysis::Task& task) {
+    return std::any_of(task.graph.vertices.begin(), task.graph.vertices.end(), measured_job);
+  };
+  const auto measured_lock = [](const auto& lock) {
+    return lock.second.source == analysis::to_string(analysis::Source::measured);
+  };
+  return std::any_of(set_.tasks.begin(), set_.tasks.end(), measured_task) ||
+         std::any_of(locks_.begin(), locks_.end(), measured_lock);
+}
+
 std::vector<std::string> TimingModel::notes() const {
   std::vector<std::string> notes = notes_;
   std::string names;

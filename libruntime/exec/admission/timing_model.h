@@ -42,6 +42,8 @@ class TimingModel {
   [[nodiscard]] const analysis::TaskSet& set() const { return set_; }
   /// How long their resources are held: declared, or measured with that margin.
   [[nodiscard]] std::vector<LockTiming> locks() const;
+  /// True when a time in the set is a measured one: a later job may take longer.
+  [[nodiscard]] bool measures() const;
   /// The times that are not in the set, or were measured rather than declared.
   [[nodiscard]] std::vector<std::string> notes() const;
   /// The resources that were held for longer than declared.

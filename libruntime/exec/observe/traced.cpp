@@ -47,12 +47,14 @@ TracedSystem traced(System& system) {
   TracedSystem traced;
   traced.architecture = system.architecture.name();
   traced.t0 = system.t0;
-  const auto bounds = responses(system);
+  const Responses known = responses(system);
   for (const Deployed& deployed : system.deployed) {
     if (deployed.component == nullptr || deployed.hidden) continue;
     traced.components.push_back(look_at_component(deployed, system.t0));
-    const auto bound = bounds.find(deployed.component->name());
-    if (bound != bounds.end()) traced.components.back().bound = bound->second;
+    const auto bound = known.bounds.find(deployed.component->name());
+    if (bound == known.bounds.end()) continue;
+    traced.components.back().bound = bound->second;
+    traced.components.back().measured = known.measured;
   }
   for (const ResourceBase* resource : system.architecture.resources()) {
     traced.resources.push_back(resource->name());

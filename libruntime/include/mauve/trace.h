@@ -101,6 +101,7 @@ struct TracedComponent {
   Duration deadline{0};       ///< as declared
   Duration budget{0};         ///< as declared
   Duration bound{0};          ///< on its response times; zero: none was found
+  bool measured = false;      ///< the bound rests on measured execution times
   std::vector<State> states;  ///< in the order of declaration
   std::string initial;        ///< the first state
 };

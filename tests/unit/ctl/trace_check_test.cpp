@@ -217,7 +217,7 @@ TEST(TraceCheck, FindsAResponseThatIsTooLong) {
       if (end == trace.records.size() || release == place) continue;
       c0.bound = std::max(*c0.bound, trace.records[end].time - trace.records[release].a);
     }
-    trace.records[wait].time = trace.records[place].a + *c0.bound + 1;
+    trace.records[wait].time = trace.records[place].a + *c0.bound + 250'000;
     return true;
   });
 }

@@ -95,7 +95,7 @@ TEST_F(TraceCommand, CheckNamesTheFirstViolationAndEndsWithOne) {
   EXPECT_EQ(outcome.exit, 1);
   EXPECT_THAT(outcome.out, StartsWith("violated: c"));
   EXPECT_THAT(outcome.out, HasSubstr("\n  rule   : release\n  where  : c"));
-  EXPECT_THAT(outcome.out, HasSubstr("violations after it"));
+  EXPECT_THAT(outcome.out, HasSubstr(" violations, this is the first: "));
   EXPECT_EQ(json.exit, 1);
   const Json answer = Json::parse(json.out);
   EXPECT_EQ(answer["holds"], false);

@@ -159,6 +159,32 @@ TEST(TraceCheck, TakesTheLastChangeForTheOneOfThePriorityWhereTheHeaderDoesNotSa
   EXPECT_EQ(changed_at_11("control").found, 1U);
 }
 
+/// The probe does not notice a delay of less than 0.2 ms, so no trace proves that there was none.
+TEST(TraceCheck, DoesNotJudgeAResponseThatADelayTheProbeCannotSeeExplains) {
+  const auto beyond_by = [](std::int64_t ns) {
+    return Short().job(0).job(10 * kOneMs, 2 * kOneMs - 5 + ns).job(20 * kOneMs).verdict();
+  };
+  EXPECT_EQ(beyond_by(0).checked.responses, 3U);
+  const Verdict verdict = beyond_by(kOneMs / 5 - 1);
+  EXPECT_TRUE(verdict.holds()) << first_violation(verdict);
+  EXPECT_EQ(verdict.checked.responses, 2U);
+  EXPECT_THAT(verdict.not_checked, testing::Contains(HasSubstr("by less than 0.2 ms")));
+  EXPECT_EQ(beyond_by(kOneMs / 5).found, 1U);
+}
+
+TEST(TraceCheck, DoesNotCallALongerJobThanTheMeasuredOnesAViolation) {
+  const auto responds_late = [](bool measured) {
+    Short trace;
+    trace.trace.header.components[0].measured = measured;
+    return trace.job(0).job(10 * kOneMs, 5 * kOneMs).job(20 * kOneMs).verdict();
+  };
+  EXPECT_EQ(responds_late(false).found, 1U);
+  const Verdict verdict = responds_late(true);
+  EXPECT_TRUE(verdict.holds()) << first_violation(verdict);
+  EXPECT_EQ(verdict.checked.responses, 2U);
+  EXPECT_THAT(verdict.not_checked, testing::Contains(HasSubstr("so declare budgets")));
+}
+
 /// A raised priority moves the bounds of all others, and the header has those of the end.
 TEST(TraceCheck, DoesNotJudgeResponsesByABoundThatCameWithALaterPriority) {
   const auto responds_late_at = [](std::int64_t release) {
@@ -339,6 +365,8 @@ TEST(TraceCheck, NamesTheEarliestViolationWhateverIsFoundFirst) {
       Short().job(0, 3 * kOneMs).job(10 * kOneMs).job(50 * kOneMs).job(60 * kOneMs).verdict();
 
   EXPECT_EQ(verdict.found, 2U);
+  EXPECT_THAT(verdict.found_of,
+              testing::ElementsAre(testing::Pair("lost", 1U), testing::Pair("response", 1U)));
   ASSERT_TRUE(verdict.first);
   EXPECT_EQ(verdict.first->rule, "response");
 }
