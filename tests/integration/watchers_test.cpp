@@ -79,6 +79,7 @@ TEST(Watchers, ThirtyTwoAtOnceCostNoRelease) {
                      Crowd(place.path(), MAUVE_BIN_DIR "/mauved").program());
   // While it is on there are probes, which measure what something foreign held up.
   ASSERT_EQ(daemon.ask("trace.start", {{"seconds", 60}})["on"], true);
+  const auto first = daemon.ask("status.get");
   const auto before = daemon.ask("status.get");
   std::deque<RawClient> clients;
   for (std::size_t i = 0; i < 2 * kHalf; ++i) {
@@ -109,12 +110,17 @@ TEST(Watchers, ThirtyTwoAtOnceCostNoRelease) {
                      "dump", "-o", trace.string()})
                 .wait(),
             0);
-  const auto since = before["t_ns"].get<std::int64_t>();
-  const auto traced = missed_releases(trace, since, kLongestPeriod);
-  ASSERT_LE(traced.from, since) << "the trace does not reach back to where they began";
+  const auto last = daemon.ask("status.get");
+  const auto traced_since = [&](const auto& status) {
+    return missed_releases(trace, status["t_ns"].template get<std::int64_t>(), kLongestPeriod);
+  };
+  const auto traced = traced_since(first);
+  ASSERT_LE(traced.from, first["t_ns"].get<std::int64_t>())
+      << "the trace does not reach back to where they began";
   EXPECT_EQ(traced.missed, 0U) << traced.disturbed << " more were disturbed";
-  EXPECT_EQ(missed(after) - missed(before), traced.missed + traced.disturbed)
-      << "each that is counted is in the trace";
+  // A release may be missed while a status is read, or between the last status and the trace.
+  EXPECT_LE(missed(after) - missed(before), traced.disturbed) << "one is not in the trace";
+  EXPECT_GE(missed(last) - missed(first), traced_since(before).disturbed) << "one is not counted";
 }
 
 TEST(Watchers, WithAllTheirSubscriptionsDoNotHoldUpAStop) {
