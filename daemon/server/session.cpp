@@ -112,7 +112,9 @@ void Session::on_read(const boost::system::error_code& error, std::size_t size) 
     if (error != asio::error::eof) {
       return end(error.message());
     }
-    return end_if_done();
+    // The end of the input ends the last line as well.
+    static_cast<void>(!framer_.partial() || framer_.feed("\n"));
+    return serve_lines();
   }
   const bool was_partial = framer_.partial();
   const auto now = Clock::now();

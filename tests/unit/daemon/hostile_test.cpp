@@ -179,6 +179,22 @@ TEST(HostileClient, SendsHalfARequest) {
   EXPECT_TRUE(logs(served, "half a request"));
 }
 
+TEST(HostileClient, EndsItsInputWithALineThatHasNoEnd) {
+  ServedSocket served;
+  for (const std::string_view line : {kPing.substr(0, kPing.find('\n')), kPing.substr(0, 20)}) {
+    RawClient client(served.path());
+    ASSERT_TRUE(client.json().contains("params")) << "the greeting";
+    ASSERT_TRUE(client.send(line));
+    client.half_close();
+
+    const auto answer = client.json();
+
+    EXPECT_EQ(answer.contains("result"), line.ends_with('}')) << answer;
+    EXPECT_EQ(answer.contains("error"), !line.ends_with('}')) << answer;
+    EXPECT_TRUE(client.closed_by_peer());
+  }
+}
+
 TEST(HostileClient, DripsBytesWithoutEverEndingALine) {
   ServedSocket served(impatient());
   RawClient client(served.path());
