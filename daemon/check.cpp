@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// mauved --check: the problems of a file, and whether its deadlines can be met.
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
-#include <iterator>
 
 #include "arch/build/check_rules.h"
 #include "arch/build/load.h"
@@ -13,7 +11,6 @@
 #include "exec/admission/admission.h"
 #include "log/json_text.h"
 #include "mauve/host/architecture.h"
-#include "model/component/wiring.h"
 
 namespace mauve::daemon {
 namespace {
@@ -115,8 +112,7 @@ int check_file(const Options& options) {
     return 0;
   }
   const auto timing = exec::analyze(*architecture, options.machine);
-  auto notes = Wiring(*architecture).notes();
-  std::ranges::copy(arch::notes_on(supervision, *architecture, catalog), std::back_inserter(notes));
+  const auto notes = arch::notes_on_file(supervision, *architecture, catalog);
   std::cout << good;
   if (!notes.empty()) {
     std::cout << ", " << notes.size() << (notes.size() == 1 ? " note" : " notes")

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "start_warnings.h"
 
-#include <algorithm>
-#include <iterator>
 #include <string>
 
 #include "arch/build/check_rules.h"
 #include "mauve/host/architecture.h"
-#include "model/component/wiring.h"
 
 namespace mauve::daemon {
 
@@ -33,9 +30,7 @@ void log_start_warnings(logging::Log& log, const Deployer& deployer,
   for (const auto& warning : deployer.warnings()) {
     log.write(event_of(warning), {{"text", warning}});
   }
-  auto notes = Wiring(architecture).notes();
-  std::ranges::copy(arch::notes_on(supervision, architecture, catalog), std::back_inserter(notes));
-  for (const auto& note : notes) {
+  for (const auto& note : arch::notes_on_file(supervision, architecture, catalog)) {
     log.write(Event::connection_doubtful, {{"text", to_string(note)}, {"at", note.address}});
   }
 }

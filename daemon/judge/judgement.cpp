@@ -21,7 +21,7 @@ namespace {
 struct Made {
   std::unique_ptr<Architecture> architecture;
   rules::Supervision supervision;
-  std::vector<Wiring::Note> notes;  ///< on the transactions of the rules
+  std::vector<Wiring::Note> notes;  ///< as a start of the file logs them
 };
 
 bool is_loaded(const Question& question, const std::string& plugin) {
@@ -57,7 +57,7 @@ Made make(const Question& question, plugin::Catalog& catalog, arch::Problems& pr
                     question.ran ? arch::LostNames::kept : arch::LostNames::refused);
   }
   if (problems.empty()) {
-    made.notes = arch::notes_on(made.supervision, *made.architecture, catalog);
+    made.notes = arch::notes_on_file(made.supervision, *made.architecture, catalog);
   }
   return made;
 }
@@ -67,6 +67,7 @@ Result<Made> make_running(const std::string& text, plugin::Catalog& catalog) {
   arch::Problems problems;
   made.architecture = arch::load(text, catalog, problems, &made.supervision, arch::LostNames::kept);
   if (problems.empty()) {
+    made.notes = arch::notes_on_file(made.supervision, *made.architecture, catalog);
     return made;
   }
   const auto first = problems.sorted().front().error;
@@ -89,12 +90,13 @@ void compare(const Question& question, const Made& running, Made& wanted,
   for (const auto& line : difference.lines) {
     lines.push_back(to_json(line));
   }
-  const auto rules = arch::compare(running.supervision, wanted.supervision);
-  for (const auto& line : rules) {
+  for (const auto& line : arch::compare(running.supervision, wanted.supervision)) {
     lines.push_back(to_json(line));
   }
-  for (const auto& note : rules.empty() ? std::vector<Wiring::Note>() : wanted.notes) {
-    result["notes"].push_back(to_string(note));
+  for (const auto& note : wanted.notes) {
+    if (std::ranges::find(running.notes, note) == running.notes.end()) {
+      result["notes"].push_back(to_string(note));
+    }
   }
   result["same"] = lines.empty();
   result["lines"] = std::move(lines);

@@ -53,6 +53,19 @@ class Judging : public testing::Test {
   std::unique_ptr<TrialDaemon> daemon_;
 };
 
+TEST_F(Judging, NotesWhatAStartNotes) {
+  const auto note = HasSubstr("second.ports.output is not connected");
+  std::string lost(kTrial);
+  const std::string connection = R"("ports": { "input": "signal.read" })";
+  lost.replace(lost.find(connection), connection.size(), R"("ports": {})");
+
+  EXPECT_THAT(daemon_->errors(), note);
+  EXPECT_THAT(ask("config.check", kTrial)["notes"].dump(), note);
+  EXPECT_FALSE(ask("architecture.diff", kTrial).contains("notes")) << "as it runs already";
+  EXPECT_THAT(ask("architecture.diff", lost)["notes"].dump(),
+              HasSubstr("second.ports.input is not connected"));
+}
+
 TEST_F(Judging, OutlivesAConstructorThatDoesNotReturn) {
   expect_refused("trial/stuck_constructor", "timed_out", "constructor did not return within 4s");
 }

@@ -203,4 +203,12 @@ std::vector<Wiring::Note> notes_on(const rules::Supervision& supervision,
   return notes;
 }
 
+std::vector<Wiring::Note> notes_on_file(const rules::Supervision& supervision,
+                                        const Architecture& architecture,
+                                        const plugin::Catalog& catalog) {
+  auto notes = Wiring(architecture).notes();
+  std::ranges::move(notes_on(supervision, architecture, catalog), std::back_inserter(notes));
+  return notes;
+}
+
 }  // namespace mauve::arch

@@ -35,4 +35,10 @@ namespace mauve::arch {
                                                  const Architecture& architecture,
                                                  const plugin::Catalog& catalog);
 
+/// The notes on a whole file, wherever it is checked, compared or started: on its wiring
+/// (Wiring::notes()), and notes_on() its rules.
+[[nodiscard]] std::vector<Wiring::Note> notes_on_file(const rules::Supervision& supervision,
+                                                      const Architecture& architecture,
+                                                      const plugin::Catalog& catalog);
+
 }  // namespace mauve::arch
