@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Which values a write port lets out. Included by port.h.
+/// Which numbers a value holds, and which values a write port lets out. Included by port.h.
 #pragma once
 
 #include <concepts>
@@ -12,27 +12,35 @@
 namespace mauve {
 namespace detail {
 
-/// True when every floating-point number in the value is finite: in a number itself, in the fields
-/// of a described type, and in the items of arrays. Other content is not looked at. [rt], as long
-/// as the value is large.
-template <typename T>
-[[nodiscard]] bool all_finite(const T& value) {
+/// True when `holds(number)` for every floating-point number in the value: for a number itself, for
+/// the fields of a described type, and for the items of arrays. Other content is not looked at.
+/// [rt], as long as the value is large.
+template <typename T, typename Holds>
+[[nodiscard]] bool all_numbers(const T& value, Holds holds) {
   if constexpr (std::floating_point<T>) {
-    return __builtin_isfinite(value);
+    return holds(value);
   } else if constexpr (HasFields<T>) {
-    const auto in_each = [&](const auto&... f) { return (all_finite(value.*(f.member)) && ...); };
+    const auto in_each = [&](const auto&... f) {
+      return (all_numbers(value.*(f.member), holds) && ...);
+    };
     return std::apply(in_each, Described<T>::fields());
   } else if constexpr (requires { value.begin() != value.end(); }) {
     using Item = std::remove_cvref_t<decltype(*value.begin())>;
     if constexpr (std::floating_point<Item> || std::is_class_v<Item>) {
       for (const Item& item : value) {
-        if (!all_finite(item)) return false;
+        if (!all_numbers(item, holds)) return false;
       }
     }
     return true;
   } else {
     return true;
   }
+}
+
+/// True when no number in the value is a NaN or an infinity. [rt]
+template <typename T>
+[[nodiscard]] bool all_finite(const T& value) {
+  return all_numbers(value, [](auto number) { return __builtin_isfinite(number); });
 }
 
 }  // namespace detail

@@ -9,6 +9,7 @@
 #include <type_traits>
 
 #include <mauve/detail/configurable.h>
+#include <mauve/detail/plausible.h>
 #include <mauve/type.h>
 
 namespace mauve {
@@ -135,11 +136,11 @@ class PropertyAt : public PropertyBase {
         return beyond(value, "below the minimum ", *limits_.min);
       if (limits_.max && *limits_.max < value)
         return beyond(value, "above the maximum ", *limits_.max);
-      if constexpr (std::is_floating_point_v<T>) {
-        if (value != value)
-          return refuse({Errc::invalid_value, "value_out_of_range"}, address(), "is not a number");
-      }
     }
+    if (!all_numbers(value, [](auto number) { return number == number; }))
+      return refuse({Errc::invalid_value, "value_out_of_range"}, address(),
+                    std::is_floating_point_v<T> ? "is not a number"
+                                                : "has a field or an item that is not a number");
     return ok();
   }
   Error beyond(const T& value, const char* relation, const T& limit) const {
