@@ -381,6 +381,54 @@ class WrongPrograms(unittest.TestCase):
                      " using Before = Plain; static void convert(const Plain&, Data&) {} };",
                      "plugin.type<Data>();")
 
+    def test_a_method_with_the_name_of_a_hook_and_another_signature(self):
+        for method in ("void on_cleanup() const {}", "bool on_configure(int) { return true; }",
+                       "protected: void on_cleanup() const {} public:"):
+            for kind, body in (("mauve::Core<Shell>", 'plugin.core<Bad>("bad");'),
+                               ("mauve::Shell", 'plugin.component<Bad, mauve::PeriodicFsm<Own>>("bad");'),
+                               ("mauve::Fsm<Good>", 'plugin.fsm<Bad>("bad");'),
+                               ("mauve::Interface<Tank>",
+                                'plugin.resource<mauve::EmptyShell, Tank, Bad>("bad");')):
+                self.refused("the runtime calls `mauve::Status on_configure()` and `void on_cleanup()` in this form only",
+                             "struct Bad : %s { %s }; struct Own : mauve::Core<Bad> { void update() {} };"
+                             % (kind, method) if kind == "mauve::Shell" else
+                             "struct Bad : %s { %s };" % (kind, method), body)
+
+    def test_a_core_that_uses_a_state_which_it_does_not_declare(self):
+        self.refused("use of undeclared identifier 'state'" if "clang" in COMPILER else
+                     "‘state’ was not declared in this scope",
+                     "struct Bad : mauve::Core<Shell> { void update() { state->x = 1; } };", 'plugin.core<Bad>("bad");')
+
+    def test_every_name_of_a_base_class_that_is_not_reserved_is_free_for_a_method(self):
+        """Virtual functions have reserved names, so that nobody overrides one by accident."""
+        page = (pathlib.Path(__file__).parents[2] / "docs/reference.md").read_text(encoding="utf-8")
+        table = page.split("## Names with a meaning")[1].split("## ")[0]
+        reserved = {name for row in re.findall(r"^\| (`.*?) \|", table, re.MULTILINE)
+                    for name in re.findall(r"`(\w+)`", row) if name != "mauve_"}
+        bases = {"detail/configurable.h": ["Configurable"], "core.h": ["CoreBase", "Core"], "shell.h": ["Shell"],
+                 "interface.h": ["InterfaceBase", "Interface"], "fsm.h": ["FsmBase"]}
+        names, virtual = set(), set()
+        for header, classes in bases.items():
+            text = re.sub(r"//.*", "", (pathlib.Path(HEADERS) / "mauve" / header).read_text(encoding="utf-8"))
+            for base in classes:
+                body = re.search(r"\nclass %s [^;{]*{(.*?)\n};" % base, text, re.DOTALL)[1]
+                names |= set(re.findall(r"(\w+)\([^()]*(?:\([^()]*\)[^()]*)?\)(?: const)?(?: override)?\s*[{;]", body))
+                virtual |= set(re.findall(r"virtual [^;{]*?(?<!~)\b(\w+)\(", body))
+        self.assertEqual({name for name in virtual - reserved if not name.startswith("mauve_")}, set())
+        self.assertIn("on_configure", virtual)
+        free = sorted(name for name in names - reserved
+                      if not name.startswith("mauve_") and not name[0].isupper() and name != "if")
+        self.assertIn("configure", free)
+        methods = " ".join(f"int {name}() {{ return 0; }}" for name in free)
+        members = ("struct Outside : mauve::Shell { %s };"
+                   " struct Own : mauve::Core<Outside> { void update() {} %s };"
+                   " struct Machine : mauve::Fsm<Own> { Exec run{*this, \"run\", &Own::update}; %s"
+                   " mauve::Status on_configure() override { start_at(run); return mauve::ok(); } };"
+                   " struct Services : mauve::Interface<Own> { %s };" % ((methods,) * 4))
+        code, _, output = compile_text(HEADER % (members, 'plugin.component<Outside, Own, Machine>("own");'
+                                                 ' plugin.resource<Outside, Own, Services>("own_resource");'))
+        self.assertEqual(code, 0, output)
+
     def test_an_older_standard(self):
         code, errors, output = compile_text(HEADER % ("", ""), "-std=c++17")
         self.assertNotEqual(code, 0)

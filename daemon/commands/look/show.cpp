@@ -111,8 +111,8 @@ void add_states(Json& object, const CoreBase& core) {
       object[key] = {{"type", state->type().name}, {"bytes", state->type().size}};
     }
   };
-  add("core_state", core.state());
-  add("slow_state", core.slow_state());
+  add("core_state", core.declared_state());
+  add("slow_state", core.declared_slow_state());
 }
 
 Json task_of(const TaskAttributes& task, const ComponentStatus& status) {

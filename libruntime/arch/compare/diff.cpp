@@ -98,7 +98,8 @@ class Differ {
     for (const std::string& name : replaced_) {
       const ResourceBase& now = *running_.find_resource(name);
       const CoreBase& core = now.core();
-      const bool has_state = core.state() != nullptr || core.slow_state() != nullptr;
+      const bool has_state =
+          core.declared_state() != nullptr || core.declared_slow_state() != nullptr;
       const auto values =
           plan_transfer(now, *wanted_.find_resource(name), StatePolicy::keep, false);
       if (has_state || (values && values->from != nullptr) || used_.contains(name))

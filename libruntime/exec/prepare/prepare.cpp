@@ -194,7 +194,7 @@ class Preparation {
 };
 
 bool holds_state(const CoreBase& core) {
-  return core.state() != nullptr || core.slow_state() != nullptr ||
+  return core.declared_state() != nullptr || core.declared_slow_state() != nullptr ||
          dynamic_cast<const ValueStore*>(&core) != nullptr;
 }
 

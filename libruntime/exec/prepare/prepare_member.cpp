@@ -174,11 +174,7 @@ class MemberBuilder {
     const NoPorts no_ports;
     const std::array<Configurable*, 3> order{next_->shell.get(), next_->core.get(),
                                              next_->fsm.get()};
-    Status done = configure_in_order(order);
-    if (done && remake_core_) {
-      done = call_hook(next_->core->address(), "warm", [&] { return next_->core->warm(), ok(); });
-    }
-    return done;
+    return configure_in_order(order);
   }
 
   const Afterwards& after_;

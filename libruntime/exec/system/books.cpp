@@ -54,7 +54,8 @@ void say_states(const CoreBase& from, const CoreBase& into, StatePolicy policy,
                 MemberReceipt& row) {
   const auto plan = plan_hand_over(from, into, policy);
   if (plan && plan->convert != nullptr) {
-    row.converted = from.state()->type().name + " -> " + into.state()->type().name;
+    row.converted =
+        from.declared_state()->type().name + " -> " + into.declared_state()->type().name;
   }
   for (const DataType* dropped : dropped_states(from, into, policy)) {
     row.dropped += (row.dropped.empty() ? "" : " and ") + dropped->name;
@@ -88,10 +89,10 @@ void note_one_way(const std::string& at, const CoreBase& now, const CoreBase& be
         ": a rollback returns to the values that the core before had at the change, since "
         "it declares no state; its outputs may jump");
   }
-  if (before.state() == nullptr || plan_hand_over(now, before, policy)) return;
+  if (before.declared_state() == nullptr || plan_hand_over(now, before, policy)) return;
   notes.push_back(at + ": a rollback continues with the state from before the change (" +
-                  before.state()->type().name + "): its core has no converter from " +
-                  now.state()->type().name + ", so its outputs may jump");
+                  before.declared_state()->type().name + "): its core has no converter from " +
+                  now.declared_state()->type().name + ", so its outputs may jump");
 }
 
 void note_replaced(const ResourceBase& from, const ResourceBase& into, StatePolicy policy,

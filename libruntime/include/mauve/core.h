@@ -17,15 +17,11 @@ class CoreBase : public Configurable {
   void bind(Shell& shell) { shell_ = &shell; }
 
   /// The state handed over in a swap; null when none is declared.
-  [[nodiscard]] StateBase* state() const { return state_; }
+  [[nodiscard]] StateBase* declared_state() const { return state_; }
   /// The state shared with the next core before that is configured; null when none is declared.
-  [[nodiscard]] SlowStateBase* slow_state() const { return slow_state_; }
+  [[nodiscard]] SlowStateBase* declared_slow_state() const { return slow_state_; }
   /// Declared as having nothing to hand over.
-  [[nodiscard]] bool stateless() const { return stateless_; }
-
-  /// Called once on a helper thread after configure and before a swap: touch memory, fill tables,
-  /// so that the first job is not slower than the others. Ports are not connected.
-  virtual void warm() {}
+  [[nodiscard]] bool declared_stateless() const { return stateless_; }
 
  protected:
   [[nodiscard]] Shell& bound_shell() const { return *shell_; }  ///< of the component or resource
@@ -44,7 +40,8 @@ class CoreBase : public Configurable {
 /// Base of the algorithm of a component or resource. Its execution methods run on the thread of the
 /// component [rt], or of the caller of the resource, one at a time; on_configure() and on_cleanup()
 /// run beside the system [factory]. The runtime owns the object. An exception, a crash or an
-/// endless loop in a job ends the job and is a fault of the component.
+/// endless loop in a job ends the job and is a fault of the component. The hooks are the only
+/// methods of a core that the runtime calls by their names.
 ///
 /// Derive from Core<YourShell>. For cores that can replace one another put a contract class with
 /// the virtual methods between: `class GuidanceCore : public mauve::Core<ControlShell>` with

@@ -98,9 +98,9 @@ class FsmBase : public Configurable {
   void start_at(FsmState& state) { initial_ = &state; }
   /// After on_configure(): initial state set, every state has a successor, all reachable, no wait
   /// of zero, no cycle of execution states (it would never wait and starve everything below).
-  Status verify() override;
+  Status mauve_verify() override;
   /// The table is written anew by each on_configure().
-  void reset() override;
+  void mauve_reset() override;
 
  private:
   friend class FsmState;

@@ -27,14 +27,14 @@ Status Configurable::configure() {
     pending_error_.reset();
     return error;
   }
-  reset();
+  mauve_reset();
   bool opened = false;  // also when the hook returned too late
   Status sound = call_hook(address_, "on_configure", [&] {
     Status hook = on_configure();
     opened = hook.has_value();
     return hook;
   });
-  if (sound) sound = verify();
+  if (sound) sound = mauve_verify();
   if (!sound) {
     if (opened) {
       static_cast<void>(call_hook(address_, "on_cleanup", [this] { return on_cleanup(), ok(); }));

@@ -136,8 +136,8 @@ std::vector<Member> members_of(const Shell& shell, std::size_t size) {
 std::vector<Member> members_of(const CoreBase& core, std::size_t size) {
   std::vector<Member> members;
   append_values(core, &core, members);
-  append_state(core.state(), "state ", &core, members);
-  append_state(core.slow_state(), "slow state ", &core, members);
+  append_state(core.declared_state(), "state ", &core, members);
+  append_state(core.declared_slow_state(), "slow state ", &core, members);
   leave_out_heap(members, size);
   return members;
 }

@@ -67,7 +67,7 @@ Duration FsmBase::shortest_wait() const {
   return shortest;
 }
 
-void FsmBase::reset() {
+void FsmBase::mauve_reset() {
   initial_ = nullptr;
   for (FsmState* state : states_) {
     state->transitions_.clear();
@@ -75,7 +75,7 @@ void FsmBase::reset() {
   }
 }
 
-Status FsmBase::verify() {
+Status FsmBase::mauve_verify() {
   if (initial_ == nullptr) {
     return refuse({Errc::invalid_value, "fsm_incomplete"}, address(), "has no initial state",
                   "call start_at(state) in on_configure");

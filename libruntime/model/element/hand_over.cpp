@@ -83,16 +83,16 @@ bool lacks_fields(const DataType& type) {
 
 /// A core that is declared Stateless may leave a state that is only offered.
 bool may_leave(const CoreBase& into, StatePolicy policy) {
-  return policy == StatePolicy::offer && into.stateless();
+  return policy == StatePolicy::offer && into.declared_stateless();
 }
 
 Status check_slow(const CoreBase& from, const CoreBase& into, StatePolicy policy) {
-  if (from.slow_state() == nullptr) return ok();
-  const SlowStateBase& old = *from.slow_state();
-  const SlowStateBase* const place = into.slow_state();
+  if (from.declared_slow_state() == nullptr) return ok();
+  const SlowStateBase& old = *from.declared_slow_state();
+  const SlowStateBase* const place = into.declared_slow_state();
   if (takes(place, old)) return ok();
   if (place == nullptr && may_leave(into, policy)) return ok();
-  if (place == nullptr && into.stateless()) return state_would_vanish(into, old);
+  if (place == nullptr && into.declared_stateless()) return state_would_vanish(into, old);
   return lost(into, old, place, "mauve::SlowState");
 }
 
@@ -124,11 +124,11 @@ void HandOver::touch() const {
 }
 
 Result<HandOver> plan_hand_over(const CoreBase& from, const CoreBase& into, StatePolicy policy) {
-  StateBase* const old = from.state();
-  StateBase* const place = into.state();
+  StateBase* const old = from.declared_state();
+  StateBase* const place = into.declared_state();
   if (&from == &into || policy == StatePolicy::drop || old == nullptr) return HandOver{};
   if (place == nullptr && may_leave(into, policy)) return HandOver{};
-  if (place == nullptr && into.stateless()) return state_would_vanish(into, *old);
+  if (place == nullptr && into.declared_stateless()) return state_would_vanish(into, *old);
   if (!takes(place, *old)) return lost(into, *old, place, "mauve::State");
   const ConvertsBase* const convert =
       place->fits(*old) ? nullptr : place->converter_from(old->type());
@@ -143,8 +143,8 @@ Status check_hand_over(const CoreBase& from, const CoreBase& into, StatePolicy p
 
 Status prepare_hand_over(const CoreBase& from, const CoreBase& into, StatePolicy policy) {
   if (Status good = check_hand_over(from, into, policy); !good) return good;
-  const SlowStateBase* const old = from.slow_state();
-  SlowStateBase* const place = into.slow_state();
+  const SlowStateBase* const old = from.declared_slow_state();
+  SlowStateBase* const place = into.declared_slow_state();
   if (policy == StatePolicy::drop || old == nullptr || !takes(place, *old)) return ok();
   return share(*old, *place, into.address());
 }
@@ -157,8 +157,8 @@ std::vector<const DataType*> dropped_states(const CoreBase& from, const CoreBase
     if (old != nullptr && !adopted) dropped.push_back(&old->type());
   };
   if (&from == &into) return dropped;
-  look(from.state(), into.state());
-  look(from.slow_state(), into.slow_state());
+  look(from.declared_state(), into.declared_state());
+  look(from.declared_slow_state(), into.declared_slow_state());
   return dropped;
 }
 
@@ -171,17 +171,18 @@ std::vector<const DataType*> unexamined_states(const CoreBase& from, const CoreB
     if (!one_build && lacks_fields(old->type())) unexamined.push_back(&old->type());
   };
   if (&from == &into || policy == StatePolicy::drop) return unexamined;
-  look(from.state(), into.state());
-  look(from.slow_state(), into.slow_state());
+  look(from.declared_state(), into.declared_state());
+  look(from.declared_slow_state(), into.declared_slow_state());
   return unexamined;
 }
 
 bool declares_state(const CoreBase& core) {
-  return core.state() != nullptr || core.slow_state() != nullptr || core.stateless();
+  return core.declared_state() != nullptr || core.declared_slow_state() != nullptr ||
+         core.declared_stateless();
 }
 
 Status check_whole(const ResourceBase& from, StatePolicy policy) {
-  if (policy == StatePolicy::drop || !from.lock().poisoned() || from.core().stateless()) {
+  if (policy == StatePolicy::drop || !from.lock().poisoned() || from.core().declared_stateless()) {
     return ok();
   }
   return refuse({Errc::wrong_state, "resource_poisoned"}, from.name(),

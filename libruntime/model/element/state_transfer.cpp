@@ -111,7 +111,7 @@ Result<StateTransfer> plan_transfer(const ResourceBase& from, const ResourceBase
   const CoreBase& old = from.core();
   if (const auto* held = dynamic_cast<const ValueStore*>(&old)) {
     auto* const place = dynamic_cast<ValueStore*>(&into.core());
-    if (place == nullptr && into.core().stateless()) return plan;
+    if (place == nullptr && into.core().declared_stateless()) return plan;
     const bool goes_on = place != nullptr && (same_type(place->data(), held->data()) ||
                                               follows(place->data(), held->data()));
     if (!goes_on) return not_made_from(from, held->data(), into, place);

@@ -49,10 +49,10 @@ std::shared_ptr<Base> made(const std::shared_ptr<Library>& library, std::shared_
   // element is destroyed before its hold (Release), so a bare pointer does.
   object->when_adopted([held = hold.get()](const std::string& address) { held->place(address); });
   if constexpr (std::is_same_v<Base, CoreBase>) {
-    if (StateBase* state = object->state()) {
+    if (StateBase* state = object->declared_state()) {
       state->keep_alive(std::make_shared<Hold>(library, "state " + state->type().name));
     }
-    if (SlowStateBase* state = object->slow_state()) {
+    if (SlowStateBase* state = object->declared_slow_state()) {
       state->keep_alive(std::make_shared<Hold>(library, "state " + state->type().name));
     }
   }

@@ -202,7 +202,7 @@ TEST_F(Barrier, IsRolledBackByTheCutToTheStateOfTheBarrier) {
 TEST_F(Barrier, CopiesAStateThatFitsWhenItMayComeBackAndMovesItElse) {
   for (const bool on_probation : {true, false}) {
     const ResourceBase& old = *architecture.find_resource("store");
-    const void* const object = old.core().state()->data();
+    const void* const object = old.core().declared_state()->data();
     auto other = store::make<store::Same>("same");
     const ResourceBase& now = *other;
     Change change = store::change_to(std::move(other));
@@ -210,7 +210,7 @@ TEST_F(Barrier, CopiesAStateThatFitsWhenItMayComeBackAndMovesItElse) {
 
     ASSERT_TRUE(deployer.apply(change));
 
-    EXPECT_EQ(now.core().state()->data() == object, !on_probation);
+    EXPECT_EQ(now.core().declared_state()->data() == object, !on_probation);
     EXPECT_GT(known(), 1000.0);
   }
 }

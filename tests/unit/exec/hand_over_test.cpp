@@ -23,7 +23,9 @@ class HandOver : public testing::Test {
     ASSERT_EQ(position(), 20.0);
   }
   double position() { return ramp::read(architecture.position); }
-  const void* object() { return architecture.control.ComponentBase::core().state()->data(); }
+  const void* object() {
+    return architecture.control.ComponentBase::core().declared_state()->data();
+  }
   template <typename T>
   Result<Receipt> swap(StatePolicy policy = StatePolicy::keep) {
     return deployer.swap_core("control", CoreType::of<T>("test/next"), policy);
@@ -182,7 +184,7 @@ TEST_F(HandOver, KeepsACounterExactInAnySequenceOfSwaps) {
                                              : swap<ramp::Third>();
     ASSERT_TRUE(done) << to_string(done.error());
     deployer.run_for(one_of(5) * 10ms);
-    const StateBase& state = *architecture.control.ComponentBase::core().state();
+    const StateBase& state = *architecture.control.ComponentBase::core().declared_state();
     const Value shown = state.type().to_value(state.data());
     ASSERT_EQ(*shown.find("jobs"), Value(static_cast<std::int64_t>(ramp::written().size())));
     ASSERT_EQ(deployer.status("control").releases, ramp::written().size());
@@ -210,7 +212,8 @@ TEST_F(HandOver, GoesBackToTheValueItHadWhenThereIsNoConverterBack) {
   const auto update = rollback(architecture.control, old);
 
   EXPECT_EQ(update->hand_over.bytes, 0u);
-  EXPECT_EQ(static_cast<const ramp::PositionV1*>(old->core->state()->data())->metres, 20.0);
+  EXPECT_EQ(static_cast<const ramp::PositionV1*>(old->core->declared_state()->data())->metres,
+            20.0);
 }
 
 TEST_F(HandOver, GoesOnFromTheLaterValueWhenThereIsAConverterBack) {
@@ -221,7 +224,8 @@ TEST_F(HandOver, GoesOnFromTheLaterValueWhenThereIsAConverterBack) {
   const auto update = rollback(architecture.control, old);
 
   EXPECT_EQ(update->hand_over.bytes, sizeof(ramp::PositionV2));
-  EXPECT_EQ(static_cast<const ramp::PositionV1*>(old->core->state()->data())->metres, 15.0);
+  EXPECT_EQ(static_cast<const ramp::PositionV1*>(old->core->declared_state()->data())->metres,
+            15.0);
 }
 
 /// A swap to the core that counts in millimetres, on probation.

@@ -87,7 +87,7 @@ struct Surveying {
 
 TEST(State, OfDescribedPlainBytesNeedsNoCodeOfItsPlugin) {
   const std::shared_ptr<CoreBase> core = CoreType::of<Placed>("placed").make();
-  StateBase& state = *core->state();
+  StateBase& state = *core->declared_state();
   static_cast<Placed&>(*core).state->metres = 3;
   const void* const made_by_plugin = state.data();
   const auto library = std::make_shared<int>(0);

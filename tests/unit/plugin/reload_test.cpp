@@ -194,8 +194,8 @@ TEST_F(Reload, HandsAStateOverWithoutKeepingTheOldCode) {
   ASSERT_TRUE(fresh) << to_string(fresh.error());
   const std::shared_ptr<CoreBase> core = fresh->cores.at("good/number").make();
 
-  ASSERT_TRUE(core->state()->fits(*old_core->state()));
-  core->state()->exchange(*old_core->state());
+  ASSERT_TRUE(core->declared_state()->fits(*old_core->declared_state()));
+  core->declared_state()->exchange(*old_core->declared_state());
   Result<std::shared_ptr<Library>> retired = catalog_.commit(*std::move(fresh));
   old_core.reset();
   const Unmapped gone = Library::release(*std::move(retired));

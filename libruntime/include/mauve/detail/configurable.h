@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include <mauve/result.h>
@@ -17,6 +18,7 @@ class PropertyBase;
 class ObservableBase;
 
 /// An element that is either configured or not. Properties are written only while it is not.
+/// Authors derive from it, so a virtual function is a hook, or its name begins with `mauve_`.
 class Configurable {
  public:
   Configurable() = default;
@@ -57,9 +59,9 @@ class Configurable {
   /// Called by cleanup(): undo on_configure(), close and free. [factory]
   virtual void on_cleanup() {}
   /// Runtime only: undoes the declarations of an earlier on_configure(), before it is called again.
-  virtual void reset() {}
+  virtual void mauve_reset() {}
   /// Runtime only: checks the declarations of on_configure().
-  virtual Status verify() { return ok(); }
+  virtual Status mauve_verify() { return ok(); }
 
  private:
   friend class PropertyBase;
@@ -74,4 +76,22 @@ class Configurable {
   std::vector<ObservableBase*> observables_;
 };
 
+namespace detail {
+
+/// Whether the runtime calls what T declares under the name of a hook: another signature hides the
+/// hook, so nobody would call either. The private methods of T are not seen, nor are the protected
+/// ones of a final class.
+template <typename T>
+struct HooksOf : std::conditional_t<std::is_final_v<T>, std::true_type, T> {
+  template <typename H = std::conditional_t<std::is_final_v<T>, T, HooksOf>>
+  static constexpr bool are_called() {
+    constexpr bool kConfigure = requires { &H::on_configure; };
+    constexpr bool kCleanup = requires { &H::on_cleanup; };
+    constexpr bool kConfigures = requires { static_cast<Status (H::*)()>(&H::on_configure); };
+    constexpr bool kCleans = requires { static_cast<void (H::*)()>(&H::on_cleanup); };
+    return (kConfigures || !kConfigure) && (kCleans || !kCleanup);
+  }
+};
+
+}  // namespace detail
 }  // namespace mauve

@@ -83,7 +83,7 @@ class Deployer {
   /// Counts anew from the next job on; without a name of all components.
   Status reset_statistics(std::string_view component = {});
 
-  /// Step 1 of a change: checks everything, makes, configures and warms the new elements beside
+  /// Step 1 of a change: checks everything, makes and configures the new elements beside
   /// the running system. Runs user code. [factory] or [control]; an error changes nothing.
   Result<PreparedChange> prepare(const Change& change);
   /// Between steps 1 and 2: the receipt that the change would get now, without times. Its
