@@ -2,9 +2,11 @@
 #include "changes/control.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
 #include "base/mutex.h"
+#include "base/pulse.h"
 #include "base/thread_role.h"
 #include "mauve/detail/job.h"
 #include "mauve/host/change.h"
@@ -90,13 +92,16 @@ void WorkerThread::await(std::function<bool()> over, Job then) {
 }
 
 void WorkerThread::run() {
+  Pulse pulse{std::string(to_string(role_))};
   for (;;) {
+    pulse.turn();
     Job job;
     if (!take(job)) {
       awaited_.clear();
       return;
     }
     if (job) {
+      pulse.turn(Pulse::kBoundedElsewhere);
       run_job(job);
     }
     look_at_awaited();
@@ -118,15 +123,17 @@ std::optional<std::chrono::steady_clock::time_point> WorkerThread::busy_since() 
   return busy_since_;
 }
 
-/// Takes the next job. False: the thread ends. No job: it is time to look at the awaited
-/// conditions.
+/// Takes the next job. False: the thread ends. No job: it is time to turn, and to look at the
+/// awaited conditions.
 bool WorkerThread::take(Job& job) {
   MutexLock lock(mutex_);
   const auto ready = [this]() MAUVE_REQUIRES(mutex_) {
     return stopping_ || !urgent_.empty() || !jobs_.empty();
   };
   if (awaited_.empty()) {
-    wake_.wait(lock, ready);
+    if (!wake_.wait_for(lock, Pulse::kTurn, ready)) {
+      return true;
+    }
   } else if (!wake_.wait_for(lock, pause_, ready)) {
     pause_ = std::min(2 * pause_, kLongestPause);
     return true;

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/mutex.h"
+#include "base/pulse.h"
 #include "base/thread_role.h"
 #include "mauve/detail/job.h"
 #include "model/job/abandonable_thread.h"
@@ -13,8 +14,9 @@ namespace mauve::daemon {
 
 using SteadyClock = std::chrono::steady_clock;
 
-/// The work of one thread, under Shared::mutex but for `state`.
+/// The work of one thread, under Shared::mutex but for `state` and `pulse`.
 struct Factory::Thread {
+  Pulse pulse{"factory"};
   AbandonableThread state;
   bool busy = false;
   bool abandoned = false;
@@ -89,11 +91,15 @@ void Factory::run(const std::shared_ptr<Shared>& shared, const std::shared_ptr<T
     Job work;
     {
       MutexLock lock(shared->mutex);
-      shared->wake.wait(lock, [&]() MAUVE_REQUIRES(shared->mutex) {
+      shared->wake.wait_for(lock, Pulse::kTurn, [&]() MAUVE_REQUIRES(shared->mutex) {
         return shared->stopping || !shared->queue.empty();
       });
+      self->pulse.turn();
       if (shared->queue.empty()) {
-        return;
+        if (shared->stopping) {
+          return;
+        }
+        continue;
       }
       auto next = shared->queue.pop();
       work = std::move(next.work);
@@ -102,6 +108,7 @@ void Factory::run(const std::shared_ptr<Shared>& shared, const std::shared_ptr<T
       self->busy = true;
       self->since = SteadyClock::now();
     }
+    self->pulse.turn(Pulse::kBoundedElsewhere);  // look() has the bound
     work();
     work = nullptr;  // its objects are destroyed here, before [control] goes on
     Job then;

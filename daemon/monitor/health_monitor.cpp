@@ -10,6 +10,7 @@
 
 #include "base/mutex.h"
 #include "base/number_list.h"
+#include "base/pulse.h"
 #include "base/thread_role.h"
 #include "commands/audit.h"
 #include "commands/change/change.h"
@@ -85,8 +86,10 @@ void HealthMonitor::stop() {
 }
 
 void HealthMonitor::run() {
+  Pulse pulse("health");
   MutexLock lock(mutex_);
   while (!wake_.wait_for(lock, kEvery, [this]() MAUVE_REQUIRES(mutex_) { return stopping_; })) {
+    pulse.turn();
     running_->deadlines.look(*running_, std::chrono::steady_clock::now());
     if (looking_.exchange(true)) {
       continue;  // [control] is busy: one look is enough

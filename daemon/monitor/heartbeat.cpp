@@ -1,17 +1,30 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "monitor/heartbeat.h"
 
-#include "base/thread_role.h"
-
+#include <string>
 #include <utility>
+#include <vector>
 
+#include "base/duration.h"
 #include "base/mutex.h"
+#include "base/pulse.h"
+#include "base/thread_role.h"
 
 namespace mauve::daemon {
 
 namespace {
 
 constexpr Duration kBeyondTheBound = 1s;
+
+/// "[guard] has not turned for 6s, so the work of this thread is not done"
+std::string in_words(const std::vector<Pulse::Silent>& silent) {
+  std::string text;
+  for (const auto& one : silent) {
+    text += (text.empty() ? "[" : ", [") + one.name + "] has not turned for " +
+            format_duration(std::chrono::floor<std::chrono::seconds>(one.lasted));
+  }
+  return text.empty() ? text : text + ", so the work of this thread is not done";
+}
 
 }  // namespace
 
@@ -31,11 +44,15 @@ std::string overdue(const Running& running) {
 Heartbeat::Heartbeat(Running& running, Post in_io) : running_(running), in_io_(std::move(in_io)) {}
 
 std::string Heartbeat::look() {
+  const auto now = std::chrono::steady_clock::now();
+  const auto silent = Pulse::look(now - std::exchange(looked_, now));
   std::string wrong;
   if (!answers_->control) {
     wrong = "[control] does not answer";
   } else if (!answers_->io) {
     wrong = "[io] does not answer";
+  } else if (!silent.empty()) {
+    wrong = in_words(silent);
   } else {
     const MutexLock lock(answers_->mutex);
     wrong = answers_->late.empty() ? "" : "releases are not made by " + answers_->late;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -13,8 +14,8 @@
 
 namespace mauve::daemon {
 
-/// Asks [control] and [io] whether they still serve, and all components whether they make their
-/// releases.
+/// Asks [control] and [io] whether they still serve, all threads with a pulse whether they turn,
+/// and all components whether they make their releases.
 class Heartbeat {
  public:
   using Post = std::function<void(std::function<void()>)>;
@@ -38,6 +39,7 @@ class Heartbeat {
 
   Running& running_;
   const Post in_io_;
+  std::chrono::steady_clock::time_point looked_ = std::chrono::steady_clock::now();
   const std::shared_ptr<Answers> answers_ = std::make_shared<Answers>();
 };
 

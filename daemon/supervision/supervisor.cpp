@@ -9,6 +9,7 @@
 #include "base/duration.h"
 #include "base/mutex.h"
 #include "base/name.h"
+#include "base/pulse.h"
 #include "base/thread_role.h"
 #include "commands/answer.h"
 #include "commands/audit.h"
@@ -152,8 +153,10 @@ void Supervisor::stop() {
 
 /// [rules] A look that still waits is not queued twice.
 void Supervisor::run() {
+  Pulse pulse("rules");
   MutexLock lock(mutex_);
   while (!wake_.wait_for(lock, kLookEvery, [this]() MAUVE_REQUIRES(mutex_) { return stopping_; })) {
+    pulse.turn();
     if (!look_pending_.exchange(true)) {
       control_.read([this] { look(); });
     }

@@ -1,7 +1,19 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // The service manager's watchdog: it gets a sign of life while all is well, and only then.
+#include <sys/ptrace.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include "kept_daemon.h"
 #include "rt/thread/run_guarded.h"
@@ -21,6 +33,9 @@ class Heartbeats : public Generations {
     setenv("MAUVE_TRIAL_WAITS", gate_.c_str(), 1);
     auto architecture = Json::parse(std::string(kTrial));
     architecture["resources"]["mute"] = {{"type", "trial/mute"}};
+    architecture["rules"] = {{{"name", "never"},
+                              {"when", "second.core.input > 1000000"},
+                              {"do", {{{"stop", "second"}}}}}};
     daemon_ = std::make_unique<TrialDaemon>(architecture.dump(), options());
     static_cast<void>(daemon_->client());
   }
@@ -71,6 +86,86 @@ TEST_F(Heartbeats, AreSentWhileAllIsWellAndNotWhileControlHangs) {
 
   std::filesystem::remove(gate_);
   EXPECT_EQ(beats_until("WATCHDOG=1"), 0) << "it serves again";
+  EXPECT_TRUE(was_logged(*daemon_, "watchdog_silent"));
+}
+
+/// The process of the test stops these threads of mauved, and lets them go on with resume().
+class StoppedThreads {
+ public:
+  /// Where the thread waits: it then holds no lock that another thread needs. False: this machine
+  /// does not permit it.
+  [[nodiscard]] bool stop(const std::filesystem::path& task) {
+    const pid_t thread = std::stoi(task.filename());
+    const auto waits = std::to_string(SYS_futex) + " ";
+    for (;;) {
+      if (ptrace(PTRACE_SEIZE, thread, nullptr, nullptr) != 0) return false;
+      EXPECT_EQ(ptrace(PTRACE_INTERRUPT, thread, nullptr, nullptr), 0);
+      int status = 0;
+      EXPECT_EQ(waitpid(thread, &status, __WALL), thread);
+      const auto call = TempDir::read(task / "syscall");
+      if (call.empty() || call.starts_with(waits)) {
+        stopped_.push_back(thread);
+        return true;
+      }
+      EXPECT_EQ(ptrace(PTRACE_DETACH, thread, nullptr, nullptr), 0);
+    }
+  }
+  void resume() {
+    for (const auto thread : std::exchange(stopped_, {})) {
+      EXPECT_EQ(ptrace(PTRACE_DETACH, thread, nullptr, nullptr), 0);
+    }
+  }
+  ~StoppedThreads() { resume(); }
+
+ private:
+  std::vector<pid_t> stopped_;
+};
+
+/// [control] and [io] are asked. The others bring records, values and measurements to users, and
+/// wait for these: a restart would be worse than their silence (docs/concepts/threads.md).
+bool has_no_pulse(const std::string& name) {
+  static const std::set<std::string> names = {"control", "io",   "log",  "trace",
+                                              "watch",   "link", "safe", "probe"};
+  return names.contains(name);
+}
+
+TEST_F(Heartbeats, AreNotSentWhileAnyThreadThatHasToTurnStands) {
+  EXPECT_EQ(beats_until("WATCHDOG=1"), 0);
+  const std::string tasks = "/proc/" + std::to_string(daemon_->process().id()) + "/task";
+  StoppedThreads threads;
+  std::set<std::string> names;
+  for (const auto& task : std::filesystem::directory_iterator(tasks)) {
+    std::string name;
+    std::getline(std::ifstream(task.path() / "comm") >> std::ws, name);
+    const std::string ours = "mauve-";
+    if (!name.starts_with(ours) || has_no_pulse(name.substr(ours.size()))) continue;
+    if (!threads.stop(task.path())) {
+      GTEST_SKIP() << "ptrace is not permitted here, so no thread was stopped: " << strerror(errno);
+    }
+    names.insert(name.substr(ours.size()));
+  }
+  for (const auto* known : {"rules", "guard", "factory", "disk", "health", "stop"}) {
+    EXPECT_TRUE(names.contains(known)) << known;
+  }
+  // Each text names all threads that stand by then, in no order.
+  std::string text;
+  const auto misses = [&](const std::string& name) {
+    return text.find("[" + name + "] has not turned for") == std::string::npos;
+  };
+  for (int messages = 0; messages < 200 && std::ranges::any_of(names, misses); ++messages) {
+    text = manager_.next();
+  }
+  for (const auto& name : names) {
+    EXPECT_FALSE(misses(name)) << name << " stands, and is not named in: " << text;
+  }
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(beats_until("has not turned for"), 0);
+  }
+
+  threads.resume();
+
+  static_cast<void>(beats_until("WATCHDOG=1"));
+  EXPECT_EQ(beats_until("WATCHDOG=1"), 0) << "all turn again";
   EXPECT_TRUE(was_logged(*daemon_, "watchdog_silent"));
 }
 

@@ -3,10 +3,12 @@
 /// that do not return, or abandons their threads.
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <thread>
 
 #include "exec/run/threads.h"
 
+#include "base/pulse.h"
 #include "base/thread_role.h"
 #include "exec/run/turn_watch.h"
 #include "exec/task/task.h"
@@ -243,17 +245,19 @@ class Threads final : public Runner {
     rt::ThreadAttributes attributes = ordinary;
     attributes.priority = realtime ? kGuardPriority : 0;
     beats_ = realtime;
+    pulse_.emplace("guard");
     if (guard_.start(attributes, body)) return;
-    beats_ = false;                                   // it may be late by itself
-    static_cast<void>(guard_.start(ordinary, body));  // without it no thread is ever abandoned
+    beats_ = false;                                     // it may be late by itself
+    if (!guard_.start(ordinary, body)) pulse_.reset();  // no thread is ever abandoned
   }
 
-  /// Sleeps until the earliest moment at which any job may run into its bound, or the guardian of
-  /// the process wants to hear of it.
+  /// Sleeps until the earliest moment at which any job may run into its bound. The guardian of
+  /// the process and the pulse of the guard want to hear of it earlier.
   void guard() {
     while (!guard_quits_.load()) {
+      pulse_->turn();
       const std::uint32_t seen = bell_.load();
-      Instant next = rt::kForever;
+      Instant next = now() + Pulse::kTurn.count();
       bool served = true;
       {
         const rt::PiMutexLock lock(mutex_);
@@ -361,7 +365,8 @@ class Threads final : public Runner {
   std::map<const Task*, std::unique_ptr<Worker>> workers_ MAUVE_GUARDED_BY(mutex_);
   std::vector<std::unique_ptr<Worker>> lost_ MAUVE_GUARDED_BY(mutex_);
   std::atomic<bool> guard_quits_{false};
-  bool beats_ = false;  // the guard is real-time, so that its silence means something
+  bool beats_ = false;          // the guard is real-time, so that its silence means something
+  std::optional<Pulse> pulse_;  // of the guard
   rt::Thread guard_;
 };
 
