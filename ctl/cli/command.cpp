@@ -100,7 +100,7 @@ constexpr Command kCommands[] = {
      kWhy, false, run_why},
     {"check",
      "Print all errors of an architecture file, which the running mauved finds with its plugin "
-     "folders; without a daemon: mauved --check --plugin-dir DIR FILE",
+     "folders, and what a start would note; without a daemon: mauved --check --plugin-dir DIR FILE",
      "mauvectl check rover.json", kCheck, false, run_check},
     {"export",
      "Print the running system as an architecture file",

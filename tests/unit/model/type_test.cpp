@@ -51,6 +51,37 @@ struct mauve::Described<Scan> {
 namespace mauve {
 namespace {
 
+struct WatcherShell : Shell {};
+
+/// Properties of these types are checked to the last number in them.
+struct Watcher : Core<WatcherShell> {
+  Property<Scan> scan{*this, "scan", {}, "what it expects"};
+  Property<double> far{*this, "far", 1.0, "no limit"};
+};
+
+TEST(Type, OfAPropertyHoldsNoNumberThatIsNone) {
+  Watcher core;
+  Value::Object scan{{"mode", 3},
+                     {"ranges", Value::Array{1.5, "nan"}},
+                     {"frame", "laser"},
+                     {"counts", Value::Array{1, 2}},
+                     {"origin", Value::Object{{"x", 0.5}, {"y", -1.0}}}};
+
+  const Status in_an_array = core.scan.set(scan);
+  scan[1].second = Value::Array{1.5, "inf"};
+  scan[4].second = Value::Object{{"x", "nan"}, {"y", -1.0}};
+  const Status in_a_member = core.scan.set(scan);
+  scan[4].second = Value::Object{{"x", 0.5}, {"y", -1.0}};
+
+  ASSERT_FALSE(in_an_array);
+  EXPECT_EQ(in_an_array.error().message, "has a field or an item that is not a number");
+  ASSERT_FALSE(in_a_member);
+  EXPECT_EQ(in_a_member.error().message, "has a field or an item that is not a number");
+  EXPECT_TRUE(core.scan.set(scan)) << "an infinity is a number, here as in a property of one";
+  EXPECT_TRUE(core.far.set("inf"));
+  EXPECT_FALSE(core.far.set("nan"));
+}
+
 TEST(Type, GoesToAValueAndBack) {
   Scan scan;
   scan.mode = 3;
