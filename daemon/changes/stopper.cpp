@@ -5,9 +5,9 @@
 #include <iterator>
 
 #include "base/mutex.h"
-#include "base/pulse.h"
 #include "base/thread_role.h"
 #include "mauve/host/deployer.h"
+#include "rt/process/pulse.h"
 
 namespace mauve::daemon {
 
@@ -72,13 +72,13 @@ void Stopper::watch(std::shared_ptr<StopOrder> order) {
 }
 
 void Stopper::run() {
-  Pulse pulse("stop");
+  rt::Pulse pulse("stop");
   for (;;) {
     pulse.turn();
     {
       MutexLock lock(mutex_);
       if (orders_.empty()) {
-        wake_.wait_for(lock, Pulse::kTurn,
+        wake_.wait_for(lock, rt::Pulse::kTurn,
                        [this]() MAUVE_REQUIRES(mutex_) { return stopping_ || !new_ones_.empty(); });
       } else {
         wake_.wait_for(lock, kEvery, [this]() MAUVE_REQUIRES(mutex_) { return stopping_; });

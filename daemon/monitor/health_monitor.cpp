@@ -10,7 +10,6 @@
 
 #include "base/mutex.h"
 #include "base/number_list.h"
-#include "base/pulse.h"
 #include "base/thread_role.h"
 #include "commands/audit.h"
 #include "commands/change/change.h"
@@ -20,6 +19,7 @@
 #include "commands/recovery/quarantine.h"
 #include "commands/recovery/unproven.h"
 #include "mauve/host/architecture.h"
+#include "rt/process/pulse.h"
 #include "state/state_store.h"
 #include "supervision/supervisor.h"
 
@@ -86,7 +86,7 @@ void HealthMonitor::stop() {
 }
 
 void HealthMonitor::run() {
-  Pulse pulse("health");
+  rt::Pulse pulse("health");
   MutexLock lock(mutex_);
   while (!wake_.wait_for(lock, kEvery, [this]() MAUVE_REQUIRES(mutex_) { return stopping_; })) {
     pulse.turn();

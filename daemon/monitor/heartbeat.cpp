@@ -7,8 +7,8 @@
 
 #include "base/duration.h"
 #include "base/mutex.h"
-#include "base/pulse.h"
 #include "base/thread_role.h"
+#include "rt/process/pulse.h"
 
 namespace mauve::daemon {
 
@@ -17,7 +17,7 @@ namespace {
 constexpr Duration kBeyondTheBound = 1s;
 
 /// "[guard] has not turned for 6s, so the work of this thread is not done"
-std::string in_words(const std::vector<Pulse::Silent>& silent) {
+std::string in_words(const std::vector<rt::Pulse::Silent>& silent) {
   std::string text;
   for (const auto& one : silent) {
     text += (text.empty() ? "[" : ", [") + one.name + "] has not turned for " +
@@ -45,7 +45,7 @@ Heartbeat::Heartbeat(Running& running, Post in_io) : running_(running), in_io_(s
 
 std::string Heartbeat::look() {
   const auto now = std::chrono::steady_clock::now();
-  const auto silent = Pulse::look(now - std::exchange(looked_, now));
+  const auto silent = rt::Pulse::look(now - std::exchange(looked_, now));
   std::string wrong;
   if (!answers_->control) {
     wrong = "[control] does not answer";

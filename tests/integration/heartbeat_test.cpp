@@ -124,8 +124,8 @@ class StoppedThreads {
 /// [control] and [io] are asked. The others bring records, values and measurements to users, and
 /// wait for these: a restart would be worse than their silence (docs/concepts/threads.md).
 bool has_no_pulse(const std::string& name) {
-  static const std::set<std::string> names = {"control", "io",   "log",  "trace",
-                                              "watch",   "link", "safe", "probe"};
+  static const std::set<std::string> names = {"control", "io",   "log",   "trace", "watch",
+                                              "link",    "safe", "probe", "last"};
   return names.contains(name);
 }
 

@@ -8,13 +8,13 @@
 
 #include "exec/run/threads.h"
 
-#include "base/pulse.h"
 #include "base/thread_role.h"
 #include "exec/run/turn_watch.h"
 #include "exec/task/task.h"
 #include "model/job/keep_for_abandoned.h"
 #include "rt/guardian/guarded_outputs.h"
 #include "rt/guardian/guardian_page.h"
+#include "rt/process/pulse.h"
 #include "rt/thread/fence.h"
 #include "rt/thread/futex.h"
 #include "rt/thread/pi_mutex.h"
@@ -257,7 +257,7 @@ class Threads final : public Runner {
     while (!guard_quits_.load()) {
       pulse_->turn();
       const std::uint32_t seen = bell_.load();
-      Instant next = now() + Pulse::kTurn.count();
+      Instant next = now() + rt::Pulse::kTurn.count();
       bool served = true;
       {
         const rt::PiMutexLock lock(mutex_);
@@ -365,8 +365,8 @@ class Threads final : public Runner {
   std::map<const Task*, std::unique_ptr<Worker>> workers_ MAUVE_GUARDED_BY(mutex_);
   std::vector<std::unique_ptr<Worker>> lost_ MAUVE_GUARDED_BY(mutex_);
   std::atomic<bool> guard_quits_{false};
-  bool beats_ = false;          // the guard is real-time, so that its silence means something
-  std::optional<Pulse> pulse_;  // of the guard
+  bool beats_ = false;              // the guard is real-time, so that its silence means something
+  std::optional<rt::Pulse> pulse_;  // of the guard
   rt::Thread guard_;
 };
 

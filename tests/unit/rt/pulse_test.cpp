@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // The time is that of the observer: no test waits.
-#include "base/pulse.h"
+#include "rt/process/pulse.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace mauve {
+namespace mauve::rt {
 namespace {
 
 using std::chrono::hours;
@@ -64,4 +64,4 @@ TEST(Pulse, EndsWithItsThread) {
 }
 
 }  // namespace
-}  // namespace mauve
+}  // namespace mauve::rt
