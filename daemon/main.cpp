@@ -6,10 +6,12 @@
 #include "daemon.h"
 #include "judge/child.h"
 #include "options.h"
+#include "rt/thread/stack.h"
 
 int main(int argc, char** argv) {
   using namespace mauve::daemon;
   mauve::keep_c_locale();
+  mauve::rt::set_default_stack(mauve::rt::kOrdinaryStack);
   try {
     const auto parsed = parse_options(argc, argv);
     if (const auto* leave = std::get_if<Leave>(&parsed)) {

@@ -2,13 +2,16 @@
 #include "changes/factory.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "base/mutex.h"
-#include "base/pulse.h"
 #include "base/thread_role.h"
 #include "mauve/detail/job.h"
 #include "model/job/abandonable_thread.h"
+#include "model/job/keep_for_abandoned.h"
+#include "rt/process/pulse.h"
 #include "rt/thread/run_guarded.h"
+#include "rt/thread/stack.h"
 
 namespace mauve::daemon {
 
@@ -16,7 +19,7 @@ using SteadyClock = std::chrono::steady_clock;
 
 /// The work of one thread, under Shared::mutex but for `state` and `pulse`.
 struct Factory::Thread {
-  Pulse pulse{"factory"};
+  rt::Pulse pulse{"factory"};
   AbandonableThread state;
   bool busy = false;
   bool abandoned = false;
@@ -58,12 +61,17 @@ void Factory::begin() {
     const MutexLock lock(shared_->mutex);
     shared_->serving = fresh;
   }
-  thread_ = std::thread([shared = shared_, fresh] {
+  thread_ = std::make_shared<rt::Thread>();
+  const rt::ThreadAttributes attributes{"mauve-factory", 0, {}, rt::kHookStack, true};
+  auto started = thread_->start(attributes, [shared = shared_, fresh] {
     begin_thread(ThreadRole::factory);
     const rt::FaultStack stack;  // a hook may fill its own
     fresh->state.begin_here();
     run(shared, fresh);
   });
+  if (!started) {
+    throw std::runtime_error(to_string(started.error()));  // as std::thread does
+  }
 }
 
 void Factory::stop() {
@@ -72,8 +80,8 @@ void Factory::stop() {
     shared_->stopping = true;
   }
   shared_->wake.notify_all();
-  if (thread_.joinable()) {
-    thread_.join();
+  if (thread_ != nullptr) {
+    thread_->join();
   }
 }
 
@@ -91,7 +99,7 @@ void Factory::run(const std::shared_ptr<Shared>& shared, const std::shared_ptr<T
     Job work;
     {
       MutexLock lock(shared->mutex);
-      shared->wake.wait_for(lock, Pulse::kTurn, [&]() MAUVE_REQUIRES(shared->mutex) {
+      shared->wake.wait_for(lock, rt::Pulse::kTurn, [&]() MAUVE_REQUIRES(shared->mutex) {
         return shared->stopping || !shared->queue.empty();
       });
       self->pulse.turn();
@@ -108,7 +116,7 @@ void Factory::run(const std::shared_ptr<Shared>& shared, const std::shared_ptr<T
       self->busy = true;
       self->since = SteadyClock::now();
     }
-    self->pulse.turn(Pulse::kBoundedElsewhere);  // look() has the bound
+    self->pulse.turn(rt::Pulse::kBoundedElsewhere);  // look() has the bound
     work();
     work = nullptr;  // its objects are destroyed here, before [control] goes on
     Job then;
@@ -152,7 +160,8 @@ std::vector<AbandonedThread> Factory::look(std::chrono::nanoseconds bound) {
     left.user = user_;
     left_.emplace_back(left, thread);
   }
-  thread_.detach();
+  thread_->abandon();
+  keep_for_abandoned(std::move(thread_));
   begin();
   // It may hold the last reference to elements, so it goes where these are freed; with it goes the
   // ticket of the change.

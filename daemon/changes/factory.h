@@ -9,11 +9,11 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
 #include "changes/fair_queue.h"
+#include "rt/thread/thread.h"
 
 namespace mauve::daemon {
 
@@ -61,7 +61,7 @@ class Factory {
   void begin();
 
   const std::shared_ptr<Shared> shared_;
-  std::thread thread_;
+  std::shared_ptr<rt::Thread> thread_;
   std::optional<uid_t> user_;
   std::vector<std::pair<AbandonedThread, std::shared_ptr<const Thread>>> left_;
 };

@@ -2,6 +2,9 @@
 #include "model/job/guard.h"
 
 #include <array>
+#include <csignal>
+
+#include "rt/thread/stack.h"
 
 namespace mauve::detail {
 
@@ -14,8 +17,14 @@ Error crashed(const std::string& at, const char* hook, const rt::Fault& fault) {
   std::array<char, 96> text{};
   rt::describe(fault, text.data(), text.size());
   const std::string how = fault.call != nullptr ? " called " : " crashed: ";
+  if (fault.of_process) {
+    return refuse({Errc::hook_threw, "hook_changes_process"}, at, hook + how + text.data(),
+                  "take the call out of the code: it is for the one who starts mauved");
+  }
+  const bool full = fault.signal == SIGSEGV && rt::below_stack(fault.address);
   return refuse(
-      {Errc::hook_threw, "hook_crashed"}, at, hook + how + text.data(),
+      {Errc::hook_threw, "hook_crashed"}, at,
+      hook + how + text.data() + (full ? ", as its stack is full" : ""),
       "correct it; memory that it may have damaged is not repaired, so restart mauved when "
       "the robot stands");
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "rt/process/memory.h"
 
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <string>
@@ -13,16 +14,18 @@ namespace mauve::rt {
 
 namespace {
 
+std::atomic<bool> locked{false};
+
 /// Whether the limit does not hold for this process: only CAP_IPC_LOCK locks a page when it is 0.
 /// The flag in /proc would not do, as the capability of a user namespace counts for nothing here.
 bool may_exceed(const rlimit& limit) {
   const rlimit none{0, limit.rlim_max};
   const char page = 0;
   if (setrlimit(RLIMIT_MEMLOCK, &none) != 0) return false;
-  const bool locked = mlock(&page, sizeof page) == 0;
-  if (locked) munlock(&page, sizeof page);
+  const bool permitted = mlock(&page, sizeof page) == 0;
+  if (permitted) munlock(&page, sizeof page);
   setrlimit(RLIMIT_MEMLOCK, &limit);
-  return locked;
+  return permitted;
 }
 
 }  // namespace
@@ -39,7 +42,10 @@ Status lock_memory() {
   return ok();  // the shadow memory of a sanitizer cannot be locked
 #endif
   const bool limited = limit.rlim_cur != RLIM_INFINITY && !may_exceed(limit);
-  if (!limited && mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return ok();
+  if (!limited && mlockall(MCL_CURRENT | MCL_FUTURE) == 0) {
+    locked.store(true);
+    return ok();
+  }
   const std::string reason = limited ? "the limit is finite" : std::strerror(errno);
   munlockall();
   return refuse(
@@ -51,5 +57,7 @@ Status lock_memory() {
       "grant CAP_IPC_LOCK, or a limit: `USER - memlock unlimited` in "
       "/etc/security/limits.conf, LimitMEMLOCK=infinity in a unit");
 }
+
+bool memory_is_locked() { return locked.load(); }
 
 }  // namespace mauve::rt

@@ -10,4 +10,7 @@ namespace mauve::rt {
 /// permitted nothing is locked, and the error names the missing permission. Once per process.
 Status lock_memory();
 
+/// Has lock_memory() locked it? [any]
+[[nodiscard]] bool memory_is_locked();
+
 }  // namespace mauve::rt

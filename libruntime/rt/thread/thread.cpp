@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
+#include <optional>
 #include <string_view>
 
 #include <alloca.h>
@@ -17,6 +18,7 @@
 
 #include "rt/process/fifo.h"
 #include "rt/thread/run_guarded.h"
+#include "rt/thread/stack.h"
 
 namespace mauve::rt {
 namespace {
@@ -69,7 +71,12 @@ Thread::~Thread() { join(); }
 void* Thread::enter(void* self) {
   auto& thread = *static_cast<Thread*>(self);
   thread.id_.store(gettid());
-  touch_stack(thread.stack_ > 2 * kStackReserve ? thread.stack_ - kStackReserve : 4096);
+  std::optional<LockedAsUsed> as_used;
+  if (thread.as_used_) {
+    as_used.emplace();
+  } else {
+    touch_stack(thread.stack_ > 2 * kStackReserve ? thread.stack_ - kStackReserve : 4096);
+  }
   warm_exceptions();
   thread.body_();
   thread.finished_.store(true);
@@ -79,6 +86,7 @@ void* Thread::enter(void* self) {
 Status Thread::start(const ThreadAttributes& attributes, std::function<void()> body) {
   body_ = std::move(body);
   stack_ = attributes.stack;
+  as_used_ = attributes.as_used;
   const auto smallest = static_cast<std::size_t>(sysconf(_SC_THREAD_STACK_MIN));
   pthread_attr_t attr;
   pthread_attr_init(&attr);

@@ -21,6 +21,7 @@ struct ThreadAttributes {
   int priority = 0;               ///< SCHED_FIFO
   std::vector<int> cpus;          ///< empty: anywhere
   std::size_t stack = 64 * 1024;  ///< bytes; touched before the body runs
+  bool as_used = false;           ///< not touched, and see LockedAsUsed: no real-time thread
 };
 
 /// A joinable thread with explicit stack, policy and CPUs.
@@ -36,7 +37,7 @@ class Thread {
   [[nodiscard]] bool running() const { return running_ && !finished_.load(); }
   /// Waits for the end of the body.
   void join();
-  /// Gives up on a thread that does not end; its stack stays allocated for ever.
+  /// Gives up on a thread that does not end. The thread uses this object as long as it runs.
   void abandon();
   /// The policy and priority the system really gave it: true when SCHED_FIFO at `priority`.
   [[nodiscard]] bool is_fifo(int priority) const;
@@ -58,6 +59,7 @@ class Thread {
 
   pthread_t handle_{};
   std::size_t stack_ = 0;
+  bool as_used_ = false;
   std::function<void()> body_;
   std::atomic<bool> finished_{false};
   std::atomic<int> id_{0};

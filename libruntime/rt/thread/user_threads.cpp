@@ -113,6 +113,7 @@ void* run_started(void* start_of) {
   const Start start = *static_cast<Start*>(start_of);
   delete static_cast<Start*>(start_of);
   const Entry entry{start.entry};
+  const mauve::rt::FaultStack stack;  // the safe values are written also when its own is full
   started_by_user_code() = true;
   {
     const mauve::MutexLock lock(registry().mutex);
