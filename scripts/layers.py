@@ -29,10 +29,11 @@ MAY_USE = {
     "daemon": RUNTIME + " protocol log",
     "guardian": "rt",
     "ctl": "public base rt protocol log",
-    "plugins": "public",
-    "examples": "public",
+    "serial": "public",
+    "plugins": "public serial",
+    "examples": "public serial",
     "man": RUNTIME + " protocol log daemon ctl",
-    "tests": RUNTIME + " protocol log daemon ctl plugins man guardian",
+    "tests": RUNTIME + " protocol log daemon ctl plugins man guardian serial",
 }
 # A layer that uses another one in part only: the headers of that one that it may include.
 PARTS = {("guardian", "rt"): "libruntime/rt/guardian/guardian_wire.h",
@@ -41,7 +42,7 @@ PARTS = {("guardian", "rt"): "libruntime/rt/guardian/guardian_wire.h",
                         "libruntime/rt/thread/futex.h libruntime/rt/thread/thread.h"}
 # Folder: its layer. The longest match counts; a folder below libruntime that is not here is an error.
 FOLDERS = {"libruntime/include": "public", "daemon/protocol": "protocol", "daemon/log": "log",
-           "daemon": "daemon", "guardian": "guardian", "ctl": "ctl", "examples": "examples", "man": "man", "plugins": "plugins", "tests": "tests", "scripts": "tests",
+           "daemon": "daemon", "guardian": "guardian", "ctl": "ctl", "examples": "examples", "man": "man", "plugins": "plugins", "serial": "serial", "tests": "tests", "scripts": "tests",
            **{f"libruntime/{name}": name for name in RUNTIME.split()[1:]}}
 # A layer in rooms: its folders from the lowest to the highest. A room includes those before it, and no other.
 STAIRS = {"libruntime/rt": "process thread time machine ring guardian",
@@ -62,14 +63,14 @@ ROOMS = {
     "yaml-cpp/": "plugins/",
     **{f"{room}/": "plugins/ros/" for room in
        ("ros", "geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs")},
-    "dlfcn.h": "libruntime/plugin/ libruntime/rt/thread/ends libruntime/rt/thread/user_threads",
+    "dlfcn.h": "libruntime/plugin/ libruntime/rt/thread/ends libruntime/rt/thread/process_wide libruntime/rt/thread/user_threads",
     "link.h": "libruntime/plugin/ libruntime/rt/thread/run_guarded libruntime/rt/thread/user_threads",
     "csetjmp": "libruntime/rt/thread/run_guarded",
     "setjmp.h": "libruntime/rt/thread/run_guarded",
     "elf.h": "libruntime/plugin/ libruntime/include/mauve/plugin.h",
     "libelf.h": "libruntime/plugin/",
     "gelf.h": "libruntime/plugin/",
-    "pthread.h": "libruntime/rt/ plugins/drivers/serial/line_thread",
+    "pthread.h": "libruntime/rt/ serial/line_thread serial/include/mauve/serial/line_thread",
     "sched.h": "libruntime/rt/ guardian/sandbox",
     "linux/futex.h": "libruntime/rt/",
     "linux/membarrier.h": "libruntime/rt/",
@@ -82,7 +83,7 @@ ROOMS = {
     "gmock/": "",
     "benchmark/": "",
 }
-INCLUDE_ROOTS = ("libruntime/include", "libruntime", "daemon", "ctl", "man", "plugins", "tests", "guardian", "")
+INCLUDE_ROOTS = ("libruntime/include", "serial/include", "libruntime", "daemon", "ctl", "man", "plugins", "tests", "guardian", "")
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^">]+)[">]', re.MULTILINE)
 # The answer is gone before the first row of it is looked at.
 ROWS_OF_NOTHING = re.compile(r"for \([^;()]* : [^;\n]*\bask\([^;\n]*\)\[")
@@ -172,7 +173,7 @@ def check_file(root, path):
 
 
 def sources(root):
-    for top in ("libruntime", "daemon", "guardian", "ctl", "man", "plugins", "examples", "tests", "scripts"):
+    for top in ("libruntime", "serial", "daemon", "guardian", "ctl", "man", "plugins", "examples", "tests", "scripts"):
         for path in sorted((root / top).rglob("*")):
             if path.suffix in SUFFIXES and path.is_file():
                 yield path.relative_to(root).as_posix()

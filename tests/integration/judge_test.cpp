@@ -56,14 +56,14 @@ class Judging : public testing::Test {
 TEST_F(Judging, NotesWhatAStartNotes) {
   const auto note = HasSubstr("second.ports.output is not connected");
   std::string lost(kTrial);
-  const std::string connection = R"("ports": { "input": "signal.read" })";
+  const std::string connection = R"("ports": { "output": "signal.write" })";
   lost.replace(lost.find(connection), connection.size(), R"("ports": {})");
 
   EXPECT_THAT(daemon_->errors(), note);
   EXPECT_THAT(ask("config.check", kTrial)["notes"].dump(), note);
   EXPECT_FALSE(ask("architecture.diff", kTrial).contains("notes")) << "as it runs already";
   EXPECT_THAT(ask("architecture.diff", lost)["notes"].dump(),
-              HasSubstr("second.ports.input is not connected"));
+              HasSubstr("first.ports.output is not connected"));
 }
 
 TEST_F(Judging, OutlivesAConstructorThatDoesNotReturn) {
@@ -75,7 +75,9 @@ TEST_F(Judging, HooksThatCrashOrLeaveAreRefusedAndTheDaemonRunsOn) {
   if (!rt::kGuardsFaults) GTEST_SKIP() << "a sanitizer reports a crash in its own way";
   const std::vector<std::pair<std::string, std::string>> hooks = {
       {"trial/crashing_hook", "on_configure crashed: SIGSEGV at address 0x0"},
+      {"trial/overflowing_hook", ", as its stack is full"},
       {"trial/leaving_hook", "on_configure called exit()"},
+      {"trial/forking_hook", "on_configure called fork(), which changes the whole process"},
       {"trial/exiting_constructor", "constructor called exit(3)"}};
   for (const auto& [core, said] : hooks) {
     const auto error = daemon_->ask("core.swap", {{"component", "first"}, {"core", core}});
@@ -86,6 +88,20 @@ TEST_F(Judging, HooksThatCrashOrLeaveAreRefusedAndTheDaemonRunsOn) {
   }
   EXPECT_EQ(daemon_->component("first")["core"], "trial/steady");
   EXPECT_EQ(daemon_->component("first")["state"], "running");
+}
+
+/// In the process of its own, and in mauved whether its memory is locked or not.
+TEST_F(Judging, HooksHaveAStackOfEightMegabytesWhereverTheyRun) {
+  for (const std::string realtime : {"off", "prefer"}) {
+    TrialDaemon daemon(kTrial, {"--realtime", realtime});
+    static_cast<void>(daemon.client());
+
+    EXPECT_EQ(daemon.ask("config.check", {{"text", with_core("trial/roomy_hook")}})["errors"],
+              Json::array());
+    const auto swapped = daemon.ask(
+        "core.swap", {{"component", "first"}, {"core", "trial/roomy_hook"}, {"probation", "off"}});
+    EXPECT_EQ(swapped["state"], "applied") << swapped;
+  }
 }
 
 TEST_F(Judging, OutlivesAConstructorThatEndsTheProcess) {

@@ -174,8 +174,25 @@ class CrashingHook final : public Steady {
     return mauve::ok();
   }
 };
+/// Uses this much of the stack at once, from its far end on.
+template <std::size_t kBytes>
+class HookWithStack : public Steady {
+  mauve::Status on_configure() override {
+    volatile char memory[kBytes];
+    for (std::size_t i = 0; i < kBytes; i += 1024) memory[i] = 1;
+    static_cast<void>(memory[0]);
+    return mauve::ok();
+  }
+};
+struct RoomyHook final : HookWithStack<(std::size_t{7} << 20)> {};
+struct OverflowingHook final : HookWithStack<(std::size_t{9} << 20)> {};
+
 class LeavingHook final : public Steady {
   mauve::Status on_configure() override { std::exit(0); }
+};
+
+class ForkingHook final : public Steady {
+  mauve::Status on_configure() override { return fork() == 0 ? mauve::ok() : mauve::ok(); }
 };
 
 class ThrowingHook final : public Steady {
@@ -355,6 +372,9 @@ MAUVE_PLUGIN(plugin) {
   plugin.core<trial::ThrowingHook>("throwing_hook");
   plugin.core<trial::CrashingHook>("crashing_hook");
   plugin.core<trial::LeavingHook>("leaving_hook");
+  plugin.core<trial::ForkingHook>("forking_hook");
+  plugin.core<trial::RoomyHook>("roomy_hook");
+  plugin.core<trial::OverflowingHook>("overflowing_hook");
   plugin.core<trial::ThrowingJob>("throwing_job");
   plugin.core<trial::Requesting>("requesting");
   plugin.core<trial::Hungry>("hungry");

@@ -53,6 +53,7 @@ void at_exit(int status, void* /*unused*/) { before_exit(status); }
 void at_quick_exit_of_any_status() { before_exit(0); }
 
 void on_end(int signal) {
+  forget_bodies();
   speak_as_owner({.signal = signal, .sent = true});
   std::signal(signal, SIG_DFL);
   raise(signal);

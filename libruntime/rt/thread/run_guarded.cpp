@@ -128,6 +128,7 @@ void on_fault(int signal, siginfo_t* info, void* context) {
   const bool contained = frame != nullptr && getpid() == owner.load() && !fault.sent &&
                          !code.system.contain(instruction_of(context));
   if (contained) abort_job(*frame, fault);
+  forget_bodies();
   run_crash_handler(fault);
   std::signal(signal, SIG_DFL);
   if (fault.sent) raise(signal);
@@ -179,7 +180,8 @@ void describe(const Fault& fault, char* text, std::size_t room) {
   if (fault.call != nullptr && fault.status != 0) {
     std::snprintf(text, room, "%s(%d)", fault.call, fault.status);
   } else if (fault.call != nullptr) {
-    std::snprintf(text, room, "%s()", fault.call);
+    std::snprintf(text, room, "%s()%s", fault.call,
+                  fault.of_process ? ", which changes the whole process" : "");
   } else if (fault.signal == 0) {
     std::snprintf(text, room, "exit()");
   } else if (fault.sent) {
@@ -205,6 +207,8 @@ Fault run_guarded(void (*body)(void*), void* argument, const Watched& watched) {
   this_frame() = frame.outer;
   return {};
 }
+
+void forget_bodies() { this_frame() = nullptr; }
 
 bool in_body() { return this_frame() != nullptr; }
 

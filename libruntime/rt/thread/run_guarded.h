@@ -37,6 +37,7 @@ struct Fault {
   bool interrupted = false;    ///< by the guard
   bool sent = false;           ///< by kill(), not by an instruction
   const char* call = nullptr;  ///< it called this function, which ends a thread or the process
+  bool of_process = false;     ///< the function ends nothing, and changes the whole process
   int status = 0;              ///< the argument of exit()
 
   [[nodiscard]] bool happened() const { return signal != 0 || call != nullptr; }
@@ -58,8 +59,9 @@ inline const Watched kUnwatched;
 
 /// Runs `body`, which must not throw; one body may run others. A fault in its own code ends it, and
 /// so does a call of abort(), exit(), quick_exit(), _exit() or pthread_exit(), a failed assertion
-/// or std::terminate(). A fault inside the C library does not: that may hold locks of its own. The
-/// body begins in the default floating-point environment, whatever ran on this thread before. [rt]
+/// or std::terminate(). So does a call that changes the whole process (process_wide.cpp). A fault
+/// inside the C library does not: that may hold locks of its own. The body begins in the default
+/// floating-point environment, whatever ran on this thread before. [rt]
 [[nodiscard]] Fault run_guarded(void (*body)(void*), void* argument, const Watched& watched);
 
 /// Does the calling thread run a body?
@@ -67,6 +69,9 @@ inline const Watched kUnwatched;
 
 /// Ends the body that the calling thread runs with this fault; without one it returns.
 void end_body(const Fault& fault);
+
+/// The process ends: the calling thread runs no body any more that could end before it.
+void forget_bodies();
 
 /// While one lives, the process handles faults; the handlers from before are back after the last
 /// one. Not on real-time threads.

@@ -7,7 +7,9 @@
 #include <cstring>
 #include <functional>
 #include <stdexcept>
+#include <thread>
 
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -41,14 +43,16 @@ struct DivisionByZero final : Wrong {
   void go_wrong() override { quotient = quotient / zero; }
 };
 
+volatile bool deeper = true;
+
+int fill_stack(int depth) {
+  volatile char frame[256] = {};
+  frame[depth % 256] = 1;
+  return deeper ? fill_stack(depth + 1) + frame[0] : 0;
+}
+
 struct StackOverflow final : Wrong {
-  volatile bool deeper = true;
-  int sink(int depth) {
-    volatile char frame[256] = {};
-    frame[depth % 256] = 1;
-    return deeper ? sink(depth + 1) + frame[0] : 0;
-  }
-  void go_wrong() override { static_cast<void>(sink(0)); }
+  void go_wrong() override { static_cast<void>(fill_stack(0)); }
 };
 
 struct CrashInLibc final : Wrong {
@@ -88,7 +92,7 @@ struct ThreadExiting final : Wrong {
 /// Its child leaves; so must not the job of the parent, nor go on in the child.
 struct Forking final : Wrong {
   void go_wrong() override {
-    const pid_t child = fork();
+    const auto child = static_cast<pid_t>(syscall(SYS_clone, SIGCHLD, 0, 0, 0, 0));
     if (child == 0) _exit(7);
     int status = 0;
     waitpid(child, &status, 0);
@@ -362,6 +366,18 @@ void leave_by_child() {
 TEST_F(CrashDeathTest, OfAChildIsNoEndOfItsParent) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(leave_by_child(), testing::ExitedWithCode(7), "");
+}
+
+/// Its thread has no body that could end, but it has a stack to handle the fault on.
+TEST_F(CrashDeathTest, InAThreadOfAPluginWhoseStackIsFullEndsTheProcessWithItsOutputsSafe) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto end = [] {
+    const auto hook = [](void*) { std::thread([] { static_cast<void>(fill_stack(0)); }).detach(); };
+    static_cast<void>(rt::run_guarded(hook, nullptr, rt::kUnwatched));
+  };
+  EXPECT_EXIT(run_until(end), testing::KilledBySignal(SIGSEGV),
+              "mauve: SIGSEGV at address 0x[0-9a-f]+ in thread .*: the safe values of 2 components "
+              "are written");
 }
 
 TEST_F(CrashDeathTest, OutsideAJobEndsTheProcessWithItsOutputsSafe) {
