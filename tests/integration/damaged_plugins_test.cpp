@@ -140,4 +140,26 @@ TEST_F(DamagedPlugins, WhoseTablesAreStampedAgainAreRefusedOrTriedElsewhereFirst
 }
 
 }  // namespace
+/// Its code would change no more with a reload, and whoever overwrites it ends mauved.
+TEST(HelperLibraries, ThatAreNotOfTheSystemAreRefused) {
+  const TempDir place;
+  const auto file = place.write("helped.json", R"({"schema": "mauve/architecture/1",
+    "name": "helped", "plugins": ["needs_helper"]})");
+  const auto check = [&](const std::string& path) {
+    setenv("LD_LIBRARY_PATH", path.c_str(), 1);
+    const auto errors = place / "errors";
+    Process mauved({MAUVE_BIN_DIR "/mauved", "--check", file.string(), "--plugin-dir", MAUVE_ZOO},
+                   errors);
+    EXPECT_NE(mauved.wait(), 0);
+    unsetenv("LD_LIBRARY_PATH");
+    return TempDir::read(errors);
+  };
+  const std::string folder = std::string(MAUVE_ZOO) + "/helper";
+
+  EXPECT_THAT(check(folder), testing::HasSubstr("needs " + folder +
+                                                "/libzoo_helper.so, which is "
+                                                "not a library of the system"));
+  EXPECT_THAT(check("/nowhere"), testing::HasSubstr("cannot be linked: libzoo_helper.so"));
+}
+
 }  // namespace mauve::test

@@ -2,9 +2,12 @@
 #include "plugin/load/library.h"
 
 #include <dlfcn.h>
+#include <link.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -43,6 +46,37 @@ std::string joined(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
   return text;
+}
+
+std::set<std::string> loaded_objects() {
+  std::set<std::string> names;
+  dl_iterate_phdr(
+      [](dl_phdr_info* object, std::size_t /*size*/, void* into) {
+        static_cast<std::set<std::string>*>(into)->insert(object->dlpi_name);
+        return 0;
+      },
+      &names);
+  return names;
+}
+
+/// Where the package manager puts libraries, and nobody else should.
+bool is_of_the_system(const std::string& path) {
+  constexpr std::array<std::string_view, 4> kFolders{"/lib/", "/lib64/", "/usr/lib/",
+                                                     "/usr/lib64/"};
+  return std::ranges::any_of(kFolders, [&](auto folder) { return path.starts_with(folder); });
+}
+
+/// A library that came with the plugin is not in its file: a reload would go on with the old code,
+/// and who overwrites it ends mauved with SIGBUS.
+Status check_companions(const std::set<std::string>& before, const std::string& plugin) {
+  for (const std::string& object : loaded_objects()) {
+    if (before.contains(object) || object == plugin || is_of_the_system(object)) continue;
+    return refuse({Errc::plugin_refused, "plugin_needs_library"}, {},
+                  "needs " + object + ", which is not a library of the system",
+                  "link its sources, or a static library, into the plugin: a reload renews the "
+                  "code of the plugin alone");
+  }
+  return ok();
 }
 
 bool is_data_type(const std::string& user) { return user.starts_with("data type "); }
@@ -88,8 +122,10 @@ std::shared_ptr<Library> Library::compiled_in(Plugin plugin) {
 
 Status Library::map(const std::string& name, std::uint64_t build) {
   const std::string path = image_.path();
+  const std::set<std::string> before = loaded_objects();
   handle_ = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle_ == nullptr) return cannot_link(dlerror(), path);
+  if (Status alone = check_companions(before, path); !alone) return alone;
   code_ = rt::code_around(dlsym(handle_, "mauve_plugin"));
   declared_ = std::make_unique<Plugin>(name, build);
   return ok();
