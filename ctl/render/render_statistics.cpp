@@ -27,26 +27,22 @@ std::string percent(double part, double whole) {
 }
 
 double undisturbed_max(const Json& one) { return number(member(one, "execution"), "max_ns"); }
-double longest_of(const Json& one) {
-  return std::max(undisturbed_max(one), number(member(one, "preempted"), "max_ns"));
-}
 
-/// By the longest job that nothing preempted; by the longest of all jobs once some exceeded it.
+/// By the longest job that nothing preempted, or by the longest of those that exceeded it.
 std::string budget_used(const Json& one) {
-  const bool exceeded = number(one, "over_budget") > 0;
-  return percent(exceeded ? longest_of(one) : undisturbed_max(one), number(one, "budget_ns"));
+  const double used = std::max(undisturbed_max(one), number(one, "over_budget_max_ns"));
+  return percent(used, number(one, "budget_ns"));
 }
 
-/// "budget 100 us: exceeded by 253 of 273 jobs, longest 15.0 ms"
+/// "budget 100 us: exceeded by 253 of 273 jobs, longest 15.0 ms of processor time"
 std::string budget_in_words(const Json& one) {
   const double budget = number(one, "budget_ns");
   const std::string text = "budget " + nanoseconds_in_words(budget) + ": ";
   const std::uint64_t over = whole_number(one, "over_budget");
   if (over == 0) return text + "the longest undisturbed job used " + budget_used(one);
-  const bool only_preempted = undisturbed_max(one) <= budget;
   return text + "exceeded by " + std::to_string(over) + " of " +
          counted(whole_number(member(one, "lateness"), "count"), "job") + ", longest " +
-         nanoseconds_in_words(longest_of(one)) + (only_preempted ? " with preemption" : "");
+         nanoseconds_in_words(number(one, "over_budget_max_ns")) + " of processor time";
 }
 
 Cell trouble_cell(const Json& one, const char* key) {

@@ -16,7 +16,7 @@ void RepeatedReports::report_locks(Running& running) {
   for (const auto* resource : running.architecture.resources()) {
     const auto& lock = resource->lock();
     const auto count = lock.over_budget();
-    if (!over_budget_.reached(resource->name(), count)) {
+    if (!held_too_long_.reached(resource->name(), count)) {
       continue;
     }
     const auto held = std::chrono::ceil<std::chrono::microseconds>(lock.longest_held());
@@ -30,6 +30,15 @@ void RepeatedReports::report_locks(Running& running) {
 
 void RepeatedReports::report_components(Running& running) {
   for (const auto& one : running.deployer.status()) {
+    const auto over = one.over_present_budget;
+    if (over_budget_.reached(one.name, over)) {
+      const auto used = std::chrono::ceil<std::chrono::microseconds>(one.used_max);
+      running.log.write(logging::Event::budget_exceeded,
+                        {{"component", one.name},
+                         {"used", format_duration(used)},
+                         {"budget", format_duration(one.budget)},
+                         {"count", static_cast<std::int64_t>(over)}});
+    }
     if (restored_.reached(one.name, one.restored)) {
       running.log.write(
           logging::Event::scheduling_restored,

@@ -19,15 +19,17 @@ class RepeatedReports {
  public:
   /// Locks that were held for longer than their budget.
   void report_locks(Running& running);
-  /// Schedulings that were put back, and values that were not plausible.
+  /// Budgets that were exceeded, schedulings that were put back, and values that were not
+  /// plausible.
   void report_components(Running& running);
 
  private:
   void report_ports(Running& running, const std::string& component, const Shell& shell);
 
-  Milestones over_budget_;  ///< by resource
-  Milestones restored_;     ///< by component
-  Milestones implausible_;  ///< by port
+  Milestones held_too_long_;  ///< by resource
+  Milestones over_budget_;    ///< by component
+  Milestones restored_;       ///< by component
+  Milestones implausible_;    ///< by port
 };
 
 }  // namespace mauve::daemon

@@ -160,7 +160,7 @@ void add_status(Page& page, const std::vector<ComponentStatus>& all) {
        {"overruns_total", "Jobs that ended after their wait or deadline.",
         &ComponentStatus::overruns},
        {"faults_total", "Jobs that threw, crashed or hung.", &ComponentStatus::faults},
-       {"over_budget_total", "Jobs longer than the declared budget.",
+       {"over_budget_total", "Jobs that used more processor time than the declared budget.",
         &ComponentStatus::over_budget},
        {"implausible_values_total", "Values that a port did not let out.",
         &ComponentStatus::implausible}}};

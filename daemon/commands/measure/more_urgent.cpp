@@ -27,21 +27,9 @@ bool goes_before(const ComponentStatus& one, const ComponentStatus& late) {
          (!late.realtime || one.priority >= late.priority);
 }
 
-bool surely_exceeded(const ComponentStatus& one) { return one.used_max > one.budget; }
-
-/// A job that others preempted exceeds the budget on the clock, without more processor time. A job
-/// whose processor time is not known may have exceeded it.
 bool exceeded_budget(const ComponentStatus& one) {
-  return one.over_present_budget > 0 && one.budget > Duration{0} &&
-         (surely_exceeded(one) || one.unmeasured > 0);
+  return one.over_present_budget > 0 && one.budget > Duration{0} && one.used_max > one.budget;
 }
-
-/// The processor time of the longest job over the budget, else its time from start to end.
-Duration longest_job(const ComponentStatus& one) {
-  return surely_exceeded(one) ? one.used_max : one.elapsed_max;
-}
-
-Duration beyond_budget(const ComponentStatus& one) { return longest_job(one) - one.budget; }
 
 /// "49.7 ms": as mauvectl writes the other times of the answer.
 std::string in_words(Duration duration) {
@@ -56,12 +44,6 @@ std::string in_words(Duration duration) {
   return text.data();
 }
 
-std::string longest_job_in_words(const ComponentStatus& one) {
-  return in_words(longest_job(one)) + (surely_exceeded(one)
-                                           ? " of processor time"
-                                           : " from start to end, processor time not measured");
-}
-
 std::string step_to(const ComponentStatus& one, const ComponentStatus& late) {
   const bool equal = late.realtime && one.priority == late.priority;
   const std::string step = "mauvectl why " + one.name + ": it is " +
@@ -73,7 +55,7 @@ std::string step_to(const ComponentStatus& one, const ComponentStatus& late) {
     const auto over = one.over_present_budget;
     return step + std::to_string(over) + (over == 1 ? " job" : " jobs") +
            " exceeded its budget of " + in_words(one.budget) + " (longest " +
-           longest_job_in_words(one) + ")";
+           in_words(one.used_max) + " of processor time)";
   }
   const auto* const within = one.used_max > one.budget ? "" : ", within its budget";
   return step + "its longest job (" + in_words(one.used_max) + " of processor time" +
@@ -129,7 +111,7 @@ std::vector<std::string> more_urgent_hints(const ComponentStatus& late,
   }
   std::stable_sort(suspects.begin(), suspects.end(), [](const auto* a, const auto* b) {
     const auto rank = [](const ComponentStatus& one) {
-      return std::tuple(one.late, surely_exceeded(one), beyond_budget(one));
+      return std::tuple(one.late, one.used_max - one.budget);
     };
     return rank(*a) > rank(*b);
   });

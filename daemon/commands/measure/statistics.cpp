@@ -47,6 +47,7 @@ Json statistics_json(const ComponentStatistics& one, const std::vector<rt::Threa
           {"missed", one.missed},
           {"overruns", one.overruns},
           {"over_budget", one.over_budget},
+          {"over_budget_max_ns", one.over_budget_max.count()},
           {"lateness", statistics_json(one.lateness)},
           {"execution", statistics_json(one.execution)},
           {"preempted", statistics_json(one.preempted)},

@@ -9,6 +9,7 @@
 #include "commands/change/change.h"
 #include "commands/model.h"
 #include "commands/recovery/abandoned.h"
+#include "exec/recovery/incident.h"
 #include "exec/system/prepared.h"
 #include "mauve/host/architecture.h"
 
@@ -199,12 +200,14 @@ Verdict judge(const Running& running, const PlaceProbation& place) {
     return late ? Verdict{Outcome::Kind::rolled_back, "not confirmed within its time", std::nullopt}
                 : Verdict{};
   }
+  const auto over = exec::over_budget_in_words(status.over_present_budget, place.component);
   if (status.releases - place.releases >= place.rules.activations) {
     return {Outcome::Kind::passed,
-            std::to_string(place.rules.activations) + " jobs without a fault", std::nullopt};
+            std::to_string(place.rules.activations) + " jobs without a fault" + over, std::nullopt};
   }
   return passed >= place.rules.time
-             ? Verdict{Outcome::Kind::passed, "its time passed without a fault", std::nullopt}
+             ? Verdict{Outcome::Kind::passed, "its time passed without a fault" + over,
+                       std::nullopt}
              : Verdict{};
 }
 

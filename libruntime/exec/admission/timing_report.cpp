@@ -61,8 +61,7 @@ std::string noise_of(const WakeNoise& noise, const MachineCosts& machine) {
          in_words(noise.worst) + ", " + whole(noise.worst_ago) + " ago";
 }
 
-/// The measurements of one component that contradict the proof. Time of other threads, within a job
-/// that they preempted, does not: it counts only where the processor time of jobs is not known.
+/// The measurements of one component that contradict the proof.
 void contradict(const Deployed& deployed, std::vector<std::string>& found) {
   const std::string& name = deployed.component->name();
   const Bundle& bundle = *deployed.component->bundle();
@@ -76,10 +75,6 @@ void contradict(const Deployed& deployed, std::vector<std::string>& found) {
                                " over it); the proof below assumes " + format_duration(budget);
   if (budget > Duration{0} && used > budget) {
     found.push_back(name + " used up to " + in_words(used) + " of processor time, " + declared);
-  } else if (used == Duration{0} && longer > 0) {
-    found.push_back(name + " took up to " +
-                    in_words(Duration{counters.elapsed_max.load(std::memory_order_relaxed)}) +
-                    " from start to end, " + declared);
   }
   if (const std::uint64_t missed = times.missed.load(std::memory_order_relaxed); missed > 0) {
     found.push_back(name + " missed " + std::to_string(missed) +

@@ -77,7 +77,6 @@ ComponentStatus look_at(const System& system, const Deployed& deployed) {
   status.faults = counters.faults.load(std::memory_order_relaxed);
   status.over_budget = counters.over_budget.load(std::memory_order_relaxed);
   status.over_present_budget = counters.over_present_budget.load(std::memory_order_relaxed);
-  status.unmeasured = counters.unmeasured.load(std::memory_order_relaxed);
   status.lateness_max = Duration{counters.lateness_max.load(std::memory_order_relaxed)};
   status.lateness_last = Duration{counters.lateness_last.load(std::memory_order_relaxed)};
   status.elapsed_max = Duration{counters.elapsed_max.load(std::memory_order_relaxed)};

@@ -37,6 +37,7 @@ ComponentStatistics statistics_of(const System& system, const Deployed& deployed
   all.missed = times.missed.load(std::memory_order_relaxed);
   all.overruns = times.overruns.load(std::memory_order_relaxed);
   all.over_budget = times.over_budget.load(std::memory_order_relaxed);
+  all.over_budget_max = Duration{times.over_budget_max.load(std::memory_order_relaxed)};
   all.lateness = times.lateness.look();
   all.execution = times.clean.look();
   all.preempted = times.preempted.look();

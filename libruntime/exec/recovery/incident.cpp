@@ -24,4 +24,10 @@ Incident incident_of(const System& system, const FaultRecord& record) {
   return incident;
 }
 
+std::string over_budget_in_words(std::uint64_t jobs, const std::string& component) {
+  if (jobs == 0) return {};
+  return "; " + std::to_string(jobs) + (jobs == 1 ? " job of " : " jobs of ") + component +
+         " used more processor time than its budget";
+}
+
 }  // namespace mauve::exec

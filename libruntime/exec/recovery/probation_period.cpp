@@ -46,6 +46,15 @@ std::uint64_t jobs_left(const std::vector<MemberRollback>& members, const Probat
   return left;
 }
 
+std::string over_budget(const std::vector<MemberRollback>& members) {
+  std::string text;
+  for (const MemberRollback& member : members) {
+    text += over_budget_in_words(member.deployed->task->counters().over_present_budget.load(),
+                                 member.deployed->component->name());
+  }
+  return text;
+}
+
 }  // namespace
 
 ProbationPeriod::ProbationPeriod(System& system, std::shared_ptr<Content> content,
@@ -126,9 +135,10 @@ void ProbationPeriod::watch() {
   const bool all_proved = jobs_left(members_, rules) == 0;
   if ((all_proved || passed >= rules.time) && awaits_verdict()) return;
   if (all_proved) {
-    static_cast<void>(pass(std::to_string(rules.activations) + " jobs without a fault"));
+    static_cast<void>(
+        pass(std::to_string(rules.activations) + " jobs without a fault" + over_budget(members_)));
   } else if (passed >= rules.time) {
-    static_cast<void>(pass("its time passed without a fault"));
+    static_cast<void>(pass("its time passed without a fault" + over_budget(members_)));
   }
 }
 
@@ -191,6 +201,10 @@ std::shared_ptr<const void> ProbationPeriod::hold() {
 }
 
 OpenProbation ProbationPeriod::look() const {
+  // Changes that joined may have the same members.
+  const auto once = [](std::vector<std::string>& names, const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  };
   OpenProbation open{generations_,
                      {},
                      Duration{system_.runner->now() - began_},
@@ -200,14 +214,14 @@ OpenProbation ProbationPeriod::look() const {
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
     const PreparedMember& member = content_->members[i];
     const Origin& origin = members_[i].origin;
-    open.components.emplace_back(member.component->name());
-    note_one_way(open.components.back(), *member.next->core, *origin.bundle->core, origin.state,
+    once(open.components, member.component->name());
+    note_one_way(member.component->name(), *member.next->core, *origin.bundle->core, origin.state,
                  open.notes);
   }
   for (const PreparedResource& one : content_->resources) {
-    open.components.emplace_back(one.resource->name());
+    once(open.components, one.resource->name());
     if (one.parts.core == nullptr) continue;
-    note_one_way(open.components.back(), *one.parts.core, *one.base.core, one.state, open.notes);
+    note_one_way(one.resource->name(), *one.parts.core, *one.base.core, one.state, open.notes);
   }
   if (!content_->barrier) return open;
   for (const auto& one : content_->barrier->replacements) {

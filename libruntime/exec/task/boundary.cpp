@@ -267,7 +267,6 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::put_in_place(TaskUpdate& next) {
   if (!keeps_core(next, *task_.current)) task_.failed.forget();
   if (next.other_core || next.bundle->task.budget != task_.current->bundle->task.budget) {
     counters.over_present_budget.store(0, std::memory_order_relaxed);
-    counters.unmeasured.store(0, std::memory_order_relaxed);
   }
   task_.current = &next;
   task_.watch.set(next.bound, next.has_safe_values);

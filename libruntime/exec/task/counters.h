@@ -16,9 +16,7 @@ struct Counters {
   std::atomic<std::uint64_t> missed{0};
   std::atomic<std::uint64_t> overruns{0};
   std::atomic<std::uint64_t> over_budget{0};
-  /// Of these: with the present core and budget. Of those: without a processor time that counts.
-  std::atomic<std::uint64_t> over_present_budget{0};
-  std::atomic<std::uint64_t> unmeasured{0};
+  std::atomic<std::uint64_t> over_present_budget{0};  ///< of these: with this core and budget
   std::atomic<std::uint64_t> faults{0};
   std::atomic<std::uint64_t> restored{0};  ///< how often [guard] restored its scheduling
   std::atomic<std::int64_t> lateness_last{0};

@@ -54,7 +54,7 @@ void FaultReaction::check_on_probation(const JobUse& job) {
   fault.text.fill(0);
   if (verdict == Evidence::Verdict::over_budget) {
     std::snprintf(fault.text.data(), fault.text.size(),
-                  "job after job, the last one %lld us of %lld us",
+                  "in too many jobs, the last one %lld us of %lld us",
                   static_cast<long long>(job.used.value_or(Duration{0}) / 1us),
                   static_cast<long long>(current.bundle->task.budget / 1us));
   }

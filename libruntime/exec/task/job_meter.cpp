@@ -33,8 +33,8 @@ void JobMeter::begin(rt::JobTimes& times, Instant start, Duration lateness, bool
   // A system call, so only where it counts. It counts on probation, where the core is judged by it.
   // It counts without a budget: there measured times stand in for it, and the longest job may be
   // just the preempted one. It counts after a preempted job, as the next one may be preempted as
-  // well.
-  const bool ask = on_probation || !has_budget || (preempted_ && rt::preemption_is_reported());
+  // well, and where the kernel does not report preemptions.
+  const bool ask = on_probation || !has_budget || preempted_;
   cpu_before_ = ask && simulated_ == nullptr ? rt::cpu_time() : Duration{0};
   waits_before_ = on_probation && simulated_ == nullptr ? rt::waits_so_far() : kUnknown;
   rt::watch_for_preemption();
@@ -55,10 +55,9 @@ std::optional<Duration> JobMeter::end(const JobUse& job, bool preempted, bool on
     const Duration on_processor = rt::cpu_time() - cpu_before_;
     used = used ? std::min(*used, on_processor) : on_processor;
   }
+  // Of the time that the host took from the processor, the kernel charges a part to the thread.
   const bool longest = used && used->count() > counters.used_max.load(std::memory_order_relaxed);
-  if (longest && held_up_since(job.released) == Duration{0}) {
-    raise(counters.used_max, used->count());
-  }
+  if (longest) raise(counters.used_max, (*used - 2 * held_up_since(job.released)).count());
   return used;
 }
 
@@ -83,7 +82,10 @@ JobTiming JobMeter::timing_of(const JobUse& job, const TaskAttributes& task, Dur
   const Duration excused = excuse(job.released, job.end);
   const Duration used = std::max(job.used.value_or(Duration{0}) - excused, Duration{0});
   JobTiming timing;
-  timing.over_budget = task.budget > Duration{0} && used > task.budget;
+  if (task.budget > Duration{0} && used > task.budget) {
+    timing.budgets =
+        static_cast<int>(std::min<Duration::rep>(used / task.budget, Evidence::kMostBudgets));
+  }
   timing.late = job.late > excused;
   if (!timing.late) return timing;
   const Duration span = longest_span(task, wait);

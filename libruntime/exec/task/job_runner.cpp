@@ -189,8 +189,9 @@ void JobRunner::account(Instant start, const JobEnd& job) {
   raise(counters.elapsed_max, use.end - start);
   task_.report.record(TraceKind::wait, use.end, task_.release - task_.t0,
                       task_.meter.was_preempted(), task_.state->trace_name());
-  const Duration took{use.end - start};
-  if (attributes.budget > Duration{0} && took > attributes.budget) count_over_budget(use);
+  const bool has_budget = attributes.budget > Duration{0};
+  if (has_budget && use.used && task_.meter.took_long(use, attributes.budget))
+    count_over_budget(use);
   const Instant deadline = attributes.deadline > Duration{0}
                                ? std::min(task_.release, use.released + attributes.deadline.count())
                                : task_.release;
@@ -205,18 +206,14 @@ void JobRunner::account(Instant start, const JobEnd& job) {
   }
 }
 
-/// Its processor time counts if it is within the budget, or if `used_max` contains the excess.
 void JobRunner::count_over_budget(const JobUse& job) {
   Counters& counters = task_.report.counters();
   const Duration budget = task_.current->bundle->task.budget;
-  const bool measured =
-      job.used &&
-      (*job.used <= budget || counters.used_max.load(std::memory_order_relaxed) > budget.count());
   add<std::uint64_t>(counters.over_budget, 1);
   add<std::uint64_t>(counters.over_present_budget, 1);
-  if (!measured) add<std::uint64_t>(counters.unmeasured, 1);
   add<std::uint64_t>(task_.meter.times().over_budget, 1);
-  task_.report.record(TraceKind::budget, job.end, job.end - job.start,
+  raise(task_.meter.times().over_budget_max, job.used->count());
+  task_.report.record(TraceKind::budget, job.end, job.used->count(),
                       static_cast<std::uint64_t>(budget.count()));
 }
 

@@ -13,6 +13,7 @@ void JobTimes::clear() {
   for (auto* counter : {&missed, &overruns, &over_budget}) {
     counter->store(0, std::memory_order_relaxed);
   }
+  over_budget_max.store(0, std::memory_order_relaxed);
   for (StateTimes& state : states) {
     state.clean.clear();
     state.preempted.clear();

@@ -70,7 +70,8 @@ struct JobTimes {
   std::atomic<std::uint64_t> missed{0};
   std::atomic<std::uint64_t> overruns{0};
   std::atomic<std::uint64_t> over_budget{0};
-  std::vector<StateTimes> states;  ///< by index
+  std::atomic<std::int64_t> over_budget_max{0};  ///< the most processor time of these jobs, in ns
+  std::vector<StateTimes> states;                ///< by index
 };
 
 /// The times that are counted now. To count anew, [control] shows another block, which it cleared

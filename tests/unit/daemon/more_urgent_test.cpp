@@ -87,18 +87,6 @@ TEST(WhyOfALateComponent, LeadsToOneWhoseJobsAreLongIfNoneExceededABudget) {
                           "of 10.0 ms"));
 }
 
-TEST(WhyOfALateComponent, LeadsToOneWhoseJobsOverTheBudgetHaveNoMeasuredProcessorTime) {
-  const auto victim = component("victim", 40);
-  auto preempted = hog("preempted", 60, 23us);
-  preempted.elapsed_max = 60ms;
-  preempted.unmeasured = 1;
-
-  EXPECT_THAT(more_urgent_hints(victim, {victim, preempted}),
-              ElementsAre("mauvectl why preempted: it is more urgent on the same CPU, and 7 jobs "
-                          "exceeded its budget of 2.0 ms (longest 60.0 ms from start to end, "
-                          "processor time not measured)"));
-}
-
 TEST(WhyOfALateComponent, LeadsToNoneWhoseJobsExceededOnlyAFormerBudget) {
   const auto victim = component("victim", 40);
   auto changed = hog("changed", 60, 3ms);

@@ -2,11 +2,12 @@
 /// Probation and the rollback, on a clock that is moved by hand.
 #include <gtest/gtest.h>
 
-#include "support/outcomes.h"
-#include "support/ramp.h"
+#include "support/under_probation.h"
 
 namespace mauve {
 namespace {
+
+using test::UnderProbation;
 
 /// Throws in its fifth job.
 struct Bad : ramp::Down {
@@ -32,40 +33,6 @@ struct Tardy : ramp::Down {
 
  private:
   int jobs_ = 0;
-};
-
-class UnderProbation : public testing::Test {
- protected:
-  void SetUp() override {
-    ASSERT_TRUE(deployer.deploy());
-    deployer.run_for(100ms);
-  }
-  template <typename T>
-  Result<Receipt> swap_to(Probation probation = {}) {
-    Change change{{ramp::to_core<T>(class_name(typeid(T)))}};
-    change.probation = probation;
-    return deployer.apply(change);
-  }
-  std::vector<Outcome> tend() { return test::tend(deployer); }
-  /// The outcomes of the change on probation when so much time has passed.
-  Outcome end_after(Duration time) {
-    deployer.run_for(time);
-    const std::vector<Outcome> ends = tend();
-    EXPECT_EQ(ends.size(), 1u);
-    return ends.size() == 1 ? ends[0] : Outcome{};
-  }
-  /// The same, and it rolled back to the core `before`.
-  Outcome rolled_back_after(Duration time, const std::string& before, const std::string& reason) {
-    Outcome end = end_after(time);
-    EXPECT_EQ(end.kind, Outcome::Kind::rolled_back);
-    EXPECT_EQ(end.reason, reason);
-    EXPECT_EQ(core(), before);
-    return end;
-  }
-  std::string core() { return deployer.status("control").core; }
-
-  ramp::Architecture architecture;
-  Deployer deployer{architecture, {.simulated = true}};
 };
 
 TEST_F(UnderProbation, ARollBackMakesNoGenerationBeforeTheCallerOfTheChangeKnowsItsOwn) {
@@ -201,44 +168,6 @@ TEST_F(UnderProbation, MoreLateJobsThanToleratedCauseARollback) {
   EXPECT_EQ(deployer.status("control").overruns, 3u) << "two were tolerated";
 }
 
-/// Takes 350 us in every job.
-struct Costly : ramp::Down {
-  void update() override {
-    ramp::Down::update();
-    Tardy::clock()->advance(350us);
-  }
-};
-
-class WithABudget : public UnderProbation {
- protected:
-  void SetUp() override {
-    architecture.control.task().budget = 300us;
-    UnderProbation::SetUp();
-    Tardy::clock() = const_cast<ManualClock*>(dynamic_cast<const ManualClock*>(&deployer.clock()));
-  }
-};
-
-TEST_F(WithABudget, ACoreThatTakesLongerThanItsBudgetIsRolledBackAfterSixteenJobs) {
-  const std::string before = core();
-  const std::uint64_t jobs = deployer.status("control").over_budget;
-  ASSERT_TRUE(swap_to<Costly>());
-
-  rolled_back_after(300ms, before,
-                    "took longer than its budget: job after job, the last one 350 us of 300 us");
-
-  EXPECT_EQ(deployer.status("control").over_budget - jobs, 16U);
-}
-
-TEST_F(WithABudget, ItDoesNotEndBeforeACoreUnderSuspicionIsJudged) {
-  const std::string before = core();
-  ASSERT_TRUE(swap_to<Costly>({.activations = 2, .time = 20ms}));
-  deployer.run_for(50ms);
-  EXPECT_TRUE(tend().empty()) << "five jobs are not enough";
-
-  EXPECT_EQ(end_after(200ms).kind, Outcome::Kind::rolled_back);
-  EXPECT_EQ(core(), before);
-}
-
 TEST_F(UnderProbation, AsManyLateJobsAsToleratedDoNot) {
   Tardy::clock() = const_cast<ManualClock*>(dynamic_cast<const ManualClock*>(&deployer.clock()));
 
@@ -297,7 +226,7 @@ TEST_F(UnderProbation, UndoRollsBack) {
   EXPECT_EQ(end.component, "");
   const Status again = deployer.undo();
   ASSERT_FALSE(again) << "once";
-  EXPECT_EQ(again.error().message, "generation 3 is off probation, so there is nothing to undo");
+  EXPECT_EQ(again.error().message, "generation 3 is not on probation, so there is nothing to undo");
 }
 
 TEST_F(UnderProbation, WhatNobodyConfirmsIsRolledBack) {

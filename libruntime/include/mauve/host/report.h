@@ -65,21 +65,19 @@ struct ComponentStatus {
   std::uint64_t missed = 0;       ///< releases for which no job ran, also those that pass now
   std::uint64_t overruns = 0;     ///< jobs that ended after their wait or deadline
   std::uint64_t faults = 0;       ///< jobs that threw, crashed or hung
-  std::uint64_t over_budget = 0;  ///< jobs whose elapsed time exceeds the declared budget
+  std::uint64_t over_budget = 0;  ///< jobs whose processor time exceeds the declared budget
   std::uint64_t over_present_budget = 0;  ///< of these: with the present core and budget
-  /// Of those: preempted or held up, so that their processor time is not known.
-  std::uint64_t unmeasured = 0;
-  Duration lateness_max{0};   ///< of job starts
-  Duration lateness_last{0};  ///< of the last job
-  Duration elapsed_max{0};    ///< of jobs, from start to end, with preemption
-  Duration elapsed_last{0};   ///< of the last job
-  Duration used_max{0};       ///< the most processor time of a job; 0: none was measured
-  Duration budget{0};         ///< as declared; 0: none
-  Duration next_release{0};   ///< since T0
-  Duration period{0};         ///< the grid that its releases lie on
-  Duration watchdog{0};       ///< a job that runs longer is interrupted, or its thread is abandoned
-  bool changing = false;      ///< a change, or an order to stop, waits for the end of its job
-  bool stopping = false;      ///< of these it is an order to stop
+  Duration lateness_max{0};               ///< of job starts
+  Duration lateness_last{0};              ///< of the last job
+  Duration elapsed_max{0};                ///< of jobs, from start to end, with preemption
+  Duration elapsed_last{0};               ///< of the last job
+  Duration used_max{0};      ///< the most processor time of a job; 0: none was measured
+  Duration budget{0};        ///< as declared; 0: none
+  Duration next_release{0};  ///< since T0
+  Duration period{0};        ///< the grid that its releases lie on
+  Duration watchdog{0};      ///< a job that runs longer is interrupted, or its thread is abandoned
+  bool changing = false;     ///< a change, or an order to stop, waits for the end of its job
+  bool stopping = false;     ///< of these it is an order to stop
   /// How long ago the job under way should have ended, once that is more than its longest wait;
   /// else zero. A core that hangs is running and late.
   Duration late{0};

@@ -54,7 +54,8 @@ struct ComponentStatistics {
   Duration budget{0};                   ///< as declared; zero: none
   std::uint64_t missed = 0;             ///< releases for which no job ran
   std::uint64_t overruns = 0;           ///< jobs that ended after their wait or deadline
-  std::uint64_t over_budget = 0;        ///< jobs whose elapsed time exceeds the budget
+  std::uint64_t over_budget = 0;        ///< jobs whose processor time exceeds the budget
+  Duration over_budget_max{0};          ///< the most processor time of these
   Distribution lateness;                ///< from a release to the start of its job: of all jobs
   Distribution execution;               ///< of jobs that were not preempted
   Distribution preempted;               ///< of the others, with the time of the preempting threads
