@@ -8,7 +8,14 @@
 
 namespace mauve::daemon {
 
-std::string shown(const Value& value) { return value.is_null() ? "not there" : to_string(value); }
+std::string shown(const rules::SightChange& change) {
+  if (!change.value.is_null()) {
+    return to_string(change.value);
+  }
+  return change.max_age == Duration{0}
+             ? "not there"
+             : "not there, or older than " + format_duration(change.max_age);
+}
 
 std::string consequence(const rules::Engine& engine, const rules::SightChange& change) {
   std::string holding;
@@ -36,12 +43,12 @@ Json lost_values(const rules::Engine& engine) {
     rows.push_back({{"address", one.address},
                     {"value", arch::to_json(one.value)},
                     {"rules", one.rules},
-                    {"text", shown(one.value) + ": " + consequence(engine, one)}});
+                    {"text", shown(one) + ": " + consequence(engine, one)}});
   }
   return rows;
 }
 
-Json blocked_rules(const rules::Engine& engine, Instant now, const rules::Read& read) {
+Json blocked_rules(const rules::Engine& engine, Instant now, const rules::ReadFresh& read) {
   Json rows = Json::array();
   for (const auto rule : engine.blocked()) {
     const auto report = engine.report(rule, now, read);
@@ -54,7 +61,7 @@ Json blocked_rules(const rules::Engine& engine, Instant now, const rules::Read& 
 }
 
 Json rule_row(const rules::Engine& engine, std::size_t index, Instant now, Instant t0,
-              const rules::Read& read) {
+              const rules::ReadFresh& read) {
   const auto& rule = engine.rules()[index];
   const auto report = engine.report(index, now, read);
   Json values = Json::array();
@@ -68,6 +75,7 @@ Json rule_row(const rules::Engine& engine, std::size_t index, Instant now, Insta
           {"for", format_duration(rule.timing.hold)},
           {"until", rule.until ? Json(rule.until->text()) : Json()},
           {"when_unknown", to_string(rule.when_unknown)},
+          {"max_age", rule.max_age == Duration{0} ? Json() : Json(format_duration(rule.max_age))},
           {"do", rule.transaction.empty() ? Json() : Json(rule.transaction)},
           {"cool_down", format_duration(rule.timing.cool_down)},
           {"per_hour", rule.timing.per_hour},

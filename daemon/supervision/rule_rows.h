@@ -12,7 +12,7 @@ namespace mauve::daemon {
 using protocol::Json;
 
 /// "is nan", "not there".
-[[nodiscard]] std::string shown(const Value& value);
+[[nodiscard]] std::string shown(const rules::SightChange& change);
 
 /// "rule too_hot cannot be judged and does not fire (when_unknown is hold)".
 [[nodiscard]] std::string consequence(const rules::Engine& engine,
@@ -22,10 +22,11 @@ using protocol::Json;
 [[nodiscard]] Json lost_values(const rules::Engine& engine);
 
 /// The rules that have no effect although their condition holds.
-[[nodiscard]] Json blocked_rules(const rules::Engine& engine, Instant now, const rules::Read& read);
+[[nodiscard]] Json blocked_rules(const rules::Engine& engine, Instant now,
+                                 const rules::ReadFresh& read);
 
 /// One rule, by its index.
 [[nodiscard]] Json rule_row(const rules::Engine& engine, std::size_t rule, Instant now, Instant t0,
-                            const rules::Read& read);
+                            const rules::ReadFresh& read);
 
 }  // namespace mauve::daemon

@@ -9,13 +9,13 @@
 #include "base/duration.h"
 #include "base/mutex.h"
 #include "base/name.h"
-#include "base/pulse.h"
 #include "base/thread_role.h"
 #include "commands/answer.h"
 #include "commands/audit.h"
 #include "commands/change/change.h"
 #include "commands/lock.h"
 #include "commands/look/value.h"
+#include "rt/process/pulse.h"
 #include "supervision/rule_rows.h"
 #include "supervision/transaction.h"
 
@@ -52,6 +52,13 @@ bool brings_something_new(const rules::Steps& steps) {
   return std::ranges::any_of(steps, [](const rules::Step& step) {
     return step.action == rules::Action::swap || step.action == rules::Action::set;
   });
+}
+
+/// For the condition of this rule.
+rules::Read bound(rules::ReadFresh read, const rules::Rule& rule) {
+  return [read = std::move(read), max_age = rule.max_age](const std::string& address) {
+    return read(address, max_age);
+  };
 }
 
 }  // namespace
@@ -113,12 +120,13 @@ std::vector<std::string> Supervisor::notes_on_change(const rules::Supervision& w
   for (const auto& rule : wanted.rules) {
     std::string error;
     const bool begins_anew = std::ranges::find(changed, rule.name) != changed.end();
-    if (!begins_anew || rule.when.evaluate(reader(), error) != rules::Truth::yes) {
+    if (!begins_anew || rule.when.evaluate(bound(reader(), rule), error) != rules::Truth::yes) {
       continue;
     }
     const auto hold = rule.timing.hold;
     notes.push_back("rule " + rule.name + " begins armed, and its condition holds now (" +
-                    rules::in_words(rule.when.values(reader())) + "): the rule fires " +
+                    rules::in_words(rule.when.values(bound(reader(), rule))) +
+                    "): the rule fires " +
                     (hold > Duration{0} ? "after " + format_duration(hold) : "at once"));
   }
   return notes;
@@ -153,7 +161,7 @@ void Supervisor::stop() {
 
 /// [rules] A look that still waits is not queued twice.
 void Supervisor::run() {
-  Pulse pulse("rules");
+  rt::Pulse pulse("rules");
   MutexLock lock(mutex_);
   while (!wake_.wait_for(lock, kLookEvery, [this]() MAUVE_REQUIRES(mutex_) { return stopping_; })) {
     pulse.turn();
@@ -200,7 +208,7 @@ void Supervisor::report_blocked() {
 }
 
 void Supervisor::report_sight(const rules::SightChange& change) {
-  logging::Fields fields = {{"address", change.address}, {"value", shown(change.value)}};
+  logging::Fields fields = {{"address", change.address}, {"value", shown(change)}};
   if (change.lost) {
     fields.push_back({"text", consequence(engine_, change)});
   }
@@ -211,19 +219,19 @@ const rules::Steps& Supervisor::steps_of(const rules::Rule& rule) const {
   return rule.transaction.empty() ? rule.steps : *supervision_.find(rule.transaction);
 }
 
-rules::Read Supervisor::reader() const {
-  return [this](const std::string& address) -> Result<Value> {
+rules::ReadFresh Supervisor::reader() const {
+  return [this](const std::string& address, Duration max_age) -> Result<Value> {
     const auto quantity = arch::find_quantity(running_->architecture, address);
     if (!quantity) {
       return quantity.error();
     }
-    return read(*running_, *quantity);
+    return read(*running_, *quantity, max_age);
   };
 }
 
 void Supervisor::fire(std::size_t index) {
   const auto& rule = engine_.rules()[index];
-  const auto values = rules::in_words(rule.when.values(reader()));
+  const auto values = rules::in_words(rule.when.values(bound(reader(), rule)));
   Dispatch dispatch{rule.transaction.empty() ? kGivenSteps : rule.transaction,
                     "by rule " + rule.name,
                     {},

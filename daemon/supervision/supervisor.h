@@ -57,7 +57,7 @@ class Supervisor {
   /// [control]
   [[nodiscard]] const rules::Engine& engine() const { return engine_; }
   /// The values behind the addresses of conditions now. [control]
-  [[nodiscard]] rules::Read reader() const;
+  [[nodiscard]] rules::ReadFresh reader() const;
   /// One row a rule, of one rule only when it is named. [control]
   [[nodiscard]] Result<Json> list(const std::string& rule) const;
 

@@ -45,6 +45,8 @@ struct Comparison {
 
 /// The value behind an address now; null: there is none now. An error: there is no such address.
 using Read = std::function<Result<Value>(const std::string& address)>;
+/// The same; null also when the value is older than `max_age`. Zero: of any age.
+using ReadFresh = std::function<Result<Value>(const std::string& address, Duration max_age)>;
 
 /// Addresses with their values, each once.
 using Values = std::vector<std::pair<std::string, Value>>;

@@ -47,15 +47,15 @@ void Engine::look_at_addresses() {
   for (const Rule& rule : rules_) {
     const auto looks_at = [&](const Condition& condition) {
       for (const Comparison& one : condition.comparisons()) {
-        std::vector<std::string>& names = seen_[one.address].rules;
+        std::vector<std::string>& names = seen_[{one.address, rule.max_age}].rules;
         if (names.empty() || names.back() != rule.name) names.push_back(rule.name);
       }
     };
     looks_at(rule.when);
     if (rule.until) looks_at(*rule.until);
   }
-  for (auto& [address, seen] : seen_) {
-    const auto known = before.find(address);
+  for (auto& [looked, seen] : seen_) {
+    const auto known = before.find(looked);
     if (known == before.end()) continue;
     seen.sight = known->second.sight;
     seen.value = known->second.value;
@@ -67,21 +67,23 @@ Engine::Watched* Engine::find(RuleId rule) {
   return found == watched_.end() ? nullptr : &*found;
 }
 
-void Engine::look(Instant now, const Read& read) {
+void Engine::look(Instant now, const ReadFresh& read) {
   changes_.clear();
-  for (auto& [address, seen] : seen_) {
-    seen.value = read(address);
+  for (auto& [looked, seen] : seen_) {
+    const auto& [address, max_age] = looked;
+    seen.value = read(address, max_age);
     if (!seen.sight.step(now, is_known(seen.value))) continue;
     changes_.push_back(
-        {address, seen.value ? *seen.value : Value(), seen.sight.lost(), seen.rules});
+        {address, seen.value ? *seen.value : Value(), seen.sight.lost(), seen.rules, max_age});
   }
 }
 
 std::vector<SightChange> Engine::lost() const {
   std::vector<SightChange> lost;
-  for (const auto& [address, seen] : seen_) {
+  for (const auto& [looked, seen] : seen_) {
     if (!seen.sight.lost()) continue;
-    lost.push_back({address, seen.value ? *seen.value : Value(), true, seen.rules});
+    const auto& [address, max_age] = looked;
+    lost.push_back({address, seen.value ? *seen.value : Value(), true, seen.rules, max_age});
   }
   return lost;
 }
@@ -91,21 +93,21 @@ Truth Engine::answered_by(const Rule& rule, const Watched& watched, Truth truth)
     return truth;
   }
   const auto is_lost = [&](const Comparison& one) {
-    const Seen& seen = seen_.find(one.address)->second;
+    const Seen& seen = seen_.find({one.address, rule.max_age})->second;
     return seen.sight.lost() && !is_known(seen.value);
   };
   return std::ranges::any_of(rule.when.comparisons(), is_lost) ? Truth::yes : truth;
 }
 
-std::vector<std::size_t> Engine::step(Instant now, const Read& read, const Held& held) {
+std::vector<std::size_t> Engine::step(Instant now, const ReadFresh& read, const Held& held) {
   look(now, read);
-  const Read as_seen = [&](const std::string& address) {
-    return seen_.find(address)->second.value;
-  };
   std::vector<std::size_t> fired;
   for (std::size_t i = 0; i < rules_.size(); ++i) {
     const Rule& rule = rules_[i];
     Watched& watched = watched_[i];
+    const Read as_seen = [&](const std::string& address) {
+      return seen_.find({address, rule.max_age})->second.value;
+    };
     watched.error.clear();
     watched.held = held ? held(rule) : std::string_view{};
     const Truth truth = rule.when.evaluate(as_seen, watched.error);
@@ -149,8 +151,11 @@ void Engine::undone(RuleId rule) {
   watched->answer = "undone";
 }
 
-Report Engine::report(std::size_t rule, Instant now, const Read& read) const {
+Report Engine::report(std::size_t rule, Instant now, const ReadFresh& read_fresh) const {
   const Watched& watched = watched_[rule];
+  const Read read = [&](const std::string& address) {
+    return read_fresh(address, rules_[rule].max_age);
+  };
   Report report;
   report.state = watched.error.empty() ? watched.trigger.state() : State::disabled;
   report.values = rules_[rule].when.values(read);

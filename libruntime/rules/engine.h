@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "rules/sight.h"
@@ -53,7 +54,8 @@ class Engine {
 
   /// The rules that fire now, as indices. A rule that fired waits for its answer, then for its
   /// `until`. Without `held`, all may fire.
-  [[nodiscard]] std::vector<std::size_t> step(Instant now, const Read& read, const Held& held = {});
+  [[nodiscard]] std::vector<std::size_t> step(Instant now, const ReadFresh& read,
+                                              const Held& held = {});
   /// The values that became unknown, or known again, in the last step(). A value that several rules
   /// look at is there once.
   [[nodiscard]] const std::vector<SightChange>& changes() const { return changes_; }
@@ -74,7 +76,7 @@ class Engine {
   [[nodiscard]] Duration limited(std::size_t rule, Instant now) const {
     return watched_[rule].trigger.limited(now);
   }
-  [[nodiscard]] Report report(std::size_t rule, Instant now, const Read& read) const;
+  [[nodiscard]] Report report(std::size_t rule, Instant now, const ReadFresh& read) const;
 
  private:
   struct Watched {
@@ -90,7 +92,8 @@ class Engine {
   [[nodiscard]] std::string why_not(const Watched& watched, const Rule& rule, Instant now,
                                     const Read& read) const;
 
-  /// A value that rules look at, as of the last step.
+  /// A value that rules look at, as of the last step. Rules with the same max_age share it.
+  using Looked = std::pair<std::string, Duration>;  // the address and the max_age
   struct Seen {
     Sight sight;
     Result<Value> value = Value();
@@ -100,14 +103,14 @@ class Engine {
   [[nodiscard]] Watched* find(RuleId rule);
   /// The addresses that the rules look at. A value that was seen before stays seen.
   void look_at_addresses();
-  void look(Instant now, const Read& read);
+  void look(Instant now, const ReadFresh& read);
   /// The truth that counts: unknown is yes for a rule with Unknown::fire.
   [[nodiscard]] Truth answered_by(const Rule& rule, const Watched& watched, Truth truth) const;
 
   RuleId next_id_ = 0;
   std::vector<Rule> rules_;
-  std::vector<Watched> watched_;                   // by rule
-  std::map<std::string, Seen, std::less<>> seen_;  // by address
+  std::vector<Watched> watched_;  // by rule
+  std::map<Looked, Seen> seen_;
   std::vector<SightChange> changes_;
 };
 

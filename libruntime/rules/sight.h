@@ -39,6 +39,7 @@ struct SightChange {
   Value value;  ///< null: there is none
   bool lost = false;
   std::vector<std::string> rules;  ///< that look at it
+  Duration max_age{0};             ///< of these rules: null may be an older value
 };
 
 }  // namespace mauve::rules

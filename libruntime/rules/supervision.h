@@ -53,6 +53,7 @@ struct Rule {
   std::string transaction;  ///< the one that it applies, by name; empty: `steps`
   Steps steps;
   Unknown when_unknown = Unknown::hold;
+  Duration max_age{0};  ///< an older value is unknown; zero: of any age
 };
 
 struct Supervision {

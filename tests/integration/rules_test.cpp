@@ -328,6 +328,28 @@ TEST(RoverRules, DisconnectTheReceiverWhileItSeesTooFewSatellites) {
   EXPECT_GE(fired("gnss_lost"), 1);
 }
 
+/// Its driver goes on with the satellites that it saw last.
+TEST(RoverRules, DisconnectAReceiverThatIsSilentAndTakeItBack) {
+  DaemonProcess rover(MAUVE_ETC_DIR "/rover.json");
+  ASSERT_TRUE(rover.up()) << rover.errors();
+  const auto service = [&] { return rover.ask({"show", "gnss.ports.fix"})["service"]; };
+  const auto fired = [&](const std::string& rule) {
+    return rover.ask({"rules", rule})["items"][0]["fired"].get<int>();
+  };
+  ASSERT_TRUE(eventually([&] { return fired("gnss_back") > 0; }));
+
+  ASSERT_EQ(rover.ask({"stop", "receiver"})["state"], "applied");
+  EXPECT_TRUE(eventually([&] { return service() == nullptr; })) << rover.ask({"rules"});
+  EXPECT_EQ(rover.value("gnss.core.satellites"), 9);
+  EXPECT_THAT(rover.ask({"status"})["unknown_values"].dump(), HasSubstr("gnss.core.satellites"))
+      << "the silence is seen";
+
+  const int back = fired("gnss_back");
+  ASSERT_EQ(rover.ask({"start", "receiver"})["state"], "applied");
+  EXPECT_TRUE(eventually([&] { return service() == "gnss_to_utm.fix"; })) << rover.ask({"rules"});
+  EXPECT_GT(fired("gnss_back"), back);
+}
+
 TEST(Rules, SayWhenTheyFiredAndHowLongAgo) {
   RulesDaemon daemon(
       supervised(R"({ "name": "same", "when": "second.state == running", "do": "wake" })"));

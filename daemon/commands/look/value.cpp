@@ -135,8 +135,46 @@ Value statistic(const ComponentStatus& status, std::string_view name) {
                                                   : status.elapsed_max);
 }
 
+/// Of an observable. One that was never written is as old as the first job of its core; nothing:
+/// the core has run none.
+std::optional<Duration> age_of(const Running& running, const Target& target) {
+  const auto& deployer = running.deployer;
+  auto written = target.observable->written();
+  if (written == 0 && target.element.component != nullptr) {
+    const auto since = deployer.statistics(target.element.name()).since;
+    written = since == Duration{0} ? 0 : deployer.t0() + since.count();
+  } else if (written == 0) {
+    written = deployer.t0();
+  }
+  return written == 0 ? std::nullopt : std::optional(Duration{deployer.clock().now() - written});
+}
+
+/// "324.3ms": nobody reads nanoseconds of an age.
+Value age_in_words(Duration age) {
+  const Duration step = age < 1ms ? Duration{1us} : age < 1s ? Duration{100us} : Duration{1ms};
+  return format_duration(age - age % step);
+}
+
+bool is_too_old(std::optional<Duration> age, Duration max_age) {
+  return max_age > Duration{0} && (!age || *age > max_age);
+}
+
+Value look_at(const Running& running, const arch::Quantity& quantity, Duration max_age) {
+  const auto& target = quantity.target;
+  const bool wants_age = quantity.aspect == arch::Quantity::Aspect::age;
+  if (!wants_age && max_age == Duration{0}) {
+    return target.observable->value();
+  }
+  const auto age = age_of(running, target);
+  if (wants_age) {
+    return age ? age_in_words(*age) : Value();
+  }
+  return is_too_old(age, max_age) ? Value() : target.observable->value();
+}
+
 /// Of a service or port that reads shared data.
-Value look_at(const Running& running, const arch::Quantity& quantity, ServiceBase& service) {
+Value look_at(const Running& running, const arch::Quantity& quantity, ServiceBase& service,
+              Duration max_age) {
   using Aspect = arch::Quantity::Aspect;
   Slot slot(service);
   Value value;
@@ -157,7 +195,10 @@ Value look_at(const Running& running, const arch::Quantity& quantity, ServiceBas
   if (!has_value(status)) {
     return {};
   }
-  return quantity.aspect == Aspect::age ? Value(format_duration(age)) : value;
+  if (quantity.aspect == Aspect::age) {
+    return age_in_words(age);
+  }
+  return is_too_old(age, max_age) ? Value() : value;
 }
 
 }  // namespace
@@ -181,7 +222,12 @@ Result<Json> sample(const Running& running, const std::string& address, const Ta
     return answer_for(address, arch::to_json(target.property->value()), "current");
   }
   if (target.observable != nullptr) {
-    return answer_for(address, arch::to_json(target.observable->value()), "current");
+    auto out = answer_for(address, arch::to_json(target.observable->value()), "current");
+    if (const auto written = target.observable->written(); written != 0) {
+      out["t_ns"] = written - running.deployer.t0();
+      out["age_ns"] = running.deployer.clock().now() - written;
+    }
+    return out;
   }
   auto* service = service_of(target);
   if (service == nullptr) {
@@ -242,7 +288,7 @@ Result<Json> sample_at(const Running& running, const std::string& address) {
   return answer_for(address, arch::to_json(*value), "current");
 }
 
-Result<Value> read(const Running& running, const arch::Quantity& quantity) {
+Result<Value> read(const Running& running, const arch::Quantity& quantity, Duration max_age) {
   const auto& target = quantity.target;
   if (!quantity.statistic.empty()) {
     return statistic(running.deployer.status(target.element.name()), quantity.statistic);
@@ -251,7 +297,7 @@ Result<Value> read(const Running& running, const arch::Quantity& quantity) {
     return arch::field_of(target.property->value(), quantity.fields);
   }
   if (target.observable != nullptr) {
-    return target.observable->value();
+    return look_at(running, quantity, max_age);
   }
   auto* service = service_of(target);
   if (service == nullptr) {
@@ -262,7 +308,7 @@ Result<Value> read(const Running& running, const arch::Quantity& quantity) {
     return refuse({Errc::unsupported, "value_not_stored"}, service->address(),
                   "is not stored but made for each reader", "mauvectl get " + service->address());
   }
-  return look_at(running, quantity, *service);
+  return look_at(running, quantity, *service, max_age);
 }
 
 }  // namespace mauve::daemon

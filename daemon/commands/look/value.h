@@ -14,7 +14,8 @@ namespace mauve::daemon {
 
 /// The value that a condition compares; null when there is none now. The function runs no code of a
 /// resource, so it refuses a value that is not stored.
-[[nodiscard]] Result<Value> read(const Running& running, const arch::Quantity& quantity);
+[[nodiscard]] Result<Value> read(const Running& running, const arch::Quantity& quantity,
+                                 Duration max_age = Duration{0});
 
 /// As sample(), of anything that has a value: also a statistic (control.missed, control.core), a
 /// status, an age, a field.

@@ -70,6 +70,7 @@ class Checker {
                      spec.timing,     spec.transaction.value, std::move(inline_steps)};
     if (spec.until) rule.until = spec.until->value;
     rule.when_unknown = spec.when_unknown;
+    rule.max_age = spec.max_age;
     supervision_.rules.push_back(std::move(rule));
   }
 

@@ -39,6 +39,7 @@ Value describe(const rules::Rule& rule) {
   if (rule.when_unknown != rules::Unknown::hold) {
     object.emplace_back("when_unknown", to_string(rule.when_unknown));
   }
+  add_duration("max_age", rule.max_age, Duration{0});
   object.emplace_back(
       "do", rule.transaction.empty() ? Value(describe(rule.steps)) : Value(rule.transaction));
   add_duration("cool_down", timing.cool_down, defaults.cool_down);

@@ -194,6 +194,7 @@ void read_rule(const Source& source, RuleSpec& rule) {
        {"for", [&](const Source& value) { rule.timing.hold = read_duration(value).value_or(0ns); }},
        {"until", [&](const Source& value) { read_condition(value, rule.until); }},
        {"when_unknown", [&](const Source& value) { read_when_unknown(value, rule.when_unknown); }},
+       {"max_age", [&](const Source& value) { read_max_age(value, rule.max_age); }},
        {"do", [&](const Source& value) { read_do(value, rule); }},
        {"cool_down",
         [&](const Source& value) { rule.timing.cool_down = read_duration(value).value_or(1s); }},

@@ -79,7 +79,9 @@ class Finder {
       quantity_.fields.emplace_back(address_.part(i));
     }
     if (target->property != nullptr) return of_type(target->property->type());
-    if (target->observable != nullptr) return of_type(target->observable->type());
+    if (target->observable != nullptr) {
+      return is_age() ? aspect(Quantity::Aspect::age) : of_type(target->observable->type());
+    }
     const Signature& signature =
         target->port != nullptr ? target->port->signature() : target->service->signature();
     if (signature.kind != PortKind::read) {
@@ -132,19 +134,23 @@ class Finder {
   }
 
   Result<Quantity> of_readable(const DataType& type) {
+    if (is_age()) return aspect(Quantity::Aspect::age);
     if (quantity_.fields == std::vector<std::string>{"status"}) {
-      quantity_.aspect = Quantity::Aspect::status;
-      quantity_.kind = Kind::word;
       for (const auto status : {DataStatus::no_data, DataStatus::old_data, DataStatus::new_data,
                                 DataStatus::stale, DataStatus::timed_out}) {
         quantity_.words.emplace_back(to_string(status));
       }
-    } else if (quantity_.fields == std::vector<std::string>{"age"}) {
-      quantity_.aspect = Quantity::Aspect::age;
-      quantity_.kind = Kind::duration;
-    } else {
-      return of_type(type);
+      return aspect(Quantity::Aspect::status);
     }
+    return of_type(type);
+  }
+
+  [[nodiscard]] bool is_age() const { return quantity_.fields == std::vector<std::string>{"age"}; }
+
+  /// The last part of the address is no field.
+  Quantity aspect(Quantity::Aspect which) {
+    quantity_.aspect = which;
+    quantity_.kind = which == Quantity::Aspect::age ? Kind::duration : Kind::word;
     quantity_.fields.clear();
     return quantity_;
   }

@@ -17,6 +17,8 @@ namespace mauve::arch {
 ///   `control.core.gain`, `fix.read`: a property, observable or service, by find_target().
 ///   `control.ports.scan`: the value that a read port gets.
 ///   `control.ports.scan.status`, `fix.read.age`: the status and the age of that value.
+///   `gnss.core.satellites.age`: the time since the observable was written last, or else since the
+///   first job of the core; no value: it has run none.
 ///   `fix.read.position.x`: a field of any of these values.
 struct Quantity {
   enum class Aspect : std::uint8_t { value, status, age };

@@ -121,6 +121,7 @@ struct RuleSpec {
   std::optional<ConditionSpec> until;
   rules::Timing timing;
   rules::Unknown when_unknown = rules::Unknown::hold;
+  Duration max_age{0};
   PlacedText transaction;  ///< "do" as a name; empty: `steps`
   TransactionSpec steps;   ///< "do" as a list
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Observable: a read-only value that a core shows, such as a counter (`gnss.core.bad_frames`).
+/// Observable: a read-only value that a core shows, such as a counter (`gnss.core.bad_frames`), and
+/// Warning, a condition that lasts.
 #pragma once
 
 #include <atomic>
@@ -10,6 +11,9 @@
 
 #include <mauve/detail/configurable.h>
 #include <mauve/detail/declared.h>
+#include <mauve/job.h>
+#include <mauve/log.h>
+#include <mauve/time.h>
 #include <mauve/type.h>
 
 namespace mauve {
@@ -27,9 +31,12 @@ class ObservableBase {
   [[nodiscard]] std::string address() const;                     ///< such as "gnss.core.bad_frames"
   [[nodiscard]] const DataType& type() const { return *type_; }  ///< of the value
   [[nodiscard]] virtual Value value() const = 0;                 ///< the value now [any but rt]
+  /// When the value was written last, be it the same again, as a job_time(); 0: never. [any]
+  [[nodiscard]] Instant written() const { return written_.load(std::memory_order_relaxed); }
   /// Takes over the value of the same observable of a predecessor. [rt] at a swap, bounded.
   void continue_from(const ObservableBase& other) {
     bits_.store(other.bits_.load(std::memory_order_relaxed), std::memory_order_relaxed);
+    written_.store(other.written(), std::memory_order_relaxed);
   }
 
  protected:
@@ -37,6 +44,7 @@ class ObservableBase {
   ObservableBase(Configurable& owner, std::string_view name, std::string_view text,
                  std::string_view unit, const DataType& type);
   std::atomic<std::uint64_t> bits_{0};  ///< the bytes of the value
+  std::atomic<Instant> written_{0};     ///< see written()
 
  private:
   Configurable& owner_;
@@ -48,7 +56,8 @@ class ObservableBase {
 
 /// A number or a boolean that a core shows to people, rules and tools. Declared as a member.
 /// Written by the component's own thread ([rt], wait-free), read by any thread. A swap continues
-/// the value of the observable of the same name and type.
+/// the value of the observable of the same name and type, and its age. The age is the time since it
+/// was written last, be it the same value again (`gnss.core.satellites.age` in a condition).
 /// @snippet api_examples.cpp Observable
 template <typename T>
 class Observable final : public ObservableBase {
@@ -59,7 +68,7 @@ class Observable final : public ObservableBase {
   Observable(Configurable& owner, std::string_view name, T value = {}, std::string_view text = {},
              std::string_view unit = {})
       : ObservableBase(owner, name, text, unit, data_type<T>()) {
-    *this = value;
+    bits_.store(pack(value), std::memory_order_relaxed);
   }
   /// Refuses to compile, with one sentence.
   template <typename... Wrong>
@@ -78,6 +87,7 @@ class Observable final : public ObservableBase {
   /// [rt] by one thread, wait-free.
   Observable& operator=(T value) {
     bits_.store(pack(value), std::memory_order_relaxed);
+    written_.store(job_time(), std::memory_order_relaxed);
     return *this;
   }
   /// As get() + value.
@@ -98,6 +108,45 @@ class Observable final : public ObservableBase {
     __builtin_memcpy(&value, &bits, sizeof value);
     return value;
   }
+};
+
+/// A condition of a core that lasts, with its reason, such as a device that is silent. The log has
+/// one line when it begins and one when it ends, `mauvectl status` names it while it
+/// lasts, and conditions read it as true or false (`imu.core.silent == true`). Declared as a
+/// member. Written by the component's own thread ([rt], wait-free), read by any thread. A swap
+/// continues it.
+/// @snippet api_examples.cpp Warning
+class Warning final : public ObservableBase {
+ public:
+  /// `text` describes the condition for people; both are literals.
+  Warning(Configurable& owner, std::string_view name, std::string_view text = {});
+
+  /// It lasts from now on. `reason` is a literal, which may show two arguments in the log. While it
+  /// lasts, another reason replaces the one that `status` shows, without a line in the log. [rt]
+  template <std::size_t N>
+  void begin(const char (&reason)[N], LogArgument a = {}, LogArgument b = {}) {
+    reason_.store(reason, std::memory_order_relaxed);
+    if (change(true)) log(LogLevel::warning, reason, a, b);
+  }
+  /// It is over, as `said` tells the log. Nothing happens if it does not last. [rt]
+  template <std::size_t N>
+  void end(const char (&said)[N], LogArgument a = {}, LogArgument b = {}) {
+    if (change(false)) log(LogLevel::info, said, a, b);
+  }
+
+  [[nodiscard]] bool lasts() const {
+    return bits_.load(std::memory_order_relaxed) != 0;
+  }  ///< [any]
+  /// Empty: the core before gave it. [any]
+  [[nodiscard]] std::string_view reason() const;
+  /// True while it lasts. [any but rt]
+  [[nodiscard]] Value value() const override;
+
+ private:
+  /// True: it was otherwise.
+  bool change(bool lasts);
+
+  std::atomic<const char*> reason_{nullptr};
 };
 
 }  // namespace mauve

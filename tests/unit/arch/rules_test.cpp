@@ -34,7 +34,7 @@ constexpr const char* kSupervision = R"(
     { "name": "lost", "when": "left.missed > 3", "do": "blind" },
     { "name": "cautious", "when": "left.ports.pose.status == stale and not relay.interface.strict",
       "for": "2s", "until": "pose.read.x < 1.5",
-      "when_unknown": "fire", "do": [ { "start": "right" } ],
+      "when_unknown": "fire", "max_age": "5s", "do": [ { "start": "right" } ],
       "cool_down": "10s", "per_hour": 6 }
   ],)";
 
@@ -95,6 +95,8 @@ TEST_F(RulesInFiles, AreReadWithTheirTransactionsAndPermissions) {
   EXPECT_EQ(cautious.timing, (rules::Timing{2s, 10s, 6}));
   EXPECT_EQ(cautious.until->text(), "pose.read.x < 1.5");
   EXPECT_EQ(cautious.when_unknown, rules::Unknown::fire);
+  EXPECT_EQ(cautious.max_age, 5s);
+  EXPECT_EQ(supervision_.rules[0].max_age, 0s);
   EXPECT_EQ(cautious.steps.size(), 1U);
   EXPECT_EQ(supervision_.rules[0].transaction, "blind");
   EXPECT_EQ(supervision_.find("blind")->at(1).max_age, 20ms);

@@ -25,7 +25,9 @@ class Rules : public testing::Test {
 
   std::map<std::string, Value> values_{{"gnss.core.satellites", 9}};
   Instant now_ = 1'000'000'000;
-  Read read_ = [this](const std::string& address) -> Result<Value> {
+  std::map<std::string, Duration> ages_;
+  ReadFresh read_ = [this](const std::string& address, Duration max_age) -> Result<Value> {
+    if (max_age > Duration{0} && ages_[address] > max_age) return Value();
     const auto found = values_.find(address);
     if (found != values_.end()) return found->second;
     return refuse(Errc::unknown_name, address, "there is nothing of this name");
@@ -33,6 +35,28 @@ class Rules : public testing::Test {
 };
 
 using Fired = std::vector<std::size_t>;
+
+/// A device that is silent shows its last values.
+TEST_F(Rules, DoNotTrustAValueThatIsOlderThanTheirMaxAge) {
+  Rule lost = rule("lost", "gnss.core.satellites < 4");
+  lost.max_age = 2s;
+  lost.when_unknown = Unknown::fire;
+  Rule back = rule("back", "gnss.core.satellites > 4");
+  back.max_age = 3s;
+  Engine engine({lost, back, rule("any_age", "gnss.core.satellites == 9")});
+  EXPECT_EQ(after(engine, 10ms), (Fired{1, 2}));
+
+  ages_["gnss.core.satellites"] = 2500ms;
+  EXPECT_EQ(after(engine, 10ms), Fired{0});
+  ASSERT_EQ(engine.lost().size(), 1U) << "it is known to the rule that permits 3 s";
+  EXPECT_EQ(engine.lost()[0].rules, std::vector<std::string>{"lost"});
+  EXPECT_EQ(engine.lost()[0].max_age, 2s);
+
+  ages_["gnss.core.satellites"] = 3500ms;
+  EXPECT_EQ(after(engine, 10ms), Fired{});
+  EXPECT_EQ(engine.report(1, now_, read_).why_not, "fired, its transaction is under way");
+  EXPECT_EQ(engine.lost().size(), 2U);
+}
 
 TEST_F(Rules, FireOneByOneAndAreArmedAgain) {
   Engine engine({rule("few", "gnss.core.satellites < 4"), rule("none", "gnss.core.satellites == 0"),

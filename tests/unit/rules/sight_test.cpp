@@ -61,7 +61,7 @@ class Blind : public testing::Test {
   Engine engine_{{rule("holds", Unknown::hold), rule("fires", Unknown::fire)}};
   Value value_{1.0};
   Instant now_ = 1'000'000'000;
-  Read read_ = [this](const std::string&) -> Result<Value> { return value_; };
+  ReadFresh read_ = [this](const std::string&, Duration) -> Result<Value> { return value_; };
 };
 
 using Fired = std::vector<std::size_t>;
