@@ -6,11 +6,12 @@
 #include <utility>
 
 #include "base/mutex.h"
-#include "base/pulse.h"
 #include "base/thread_role.h"
 #include "mauve/detail/job.h"
 #include "mauve/host/change.h"
+#include "rt/process/pulse.h"
 #include "rt/thread/run_guarded.h"
+#include "rt/time/cpu_time.h"
 
 namespace mauve::daemon {
 
@@ -43,7 +44,7 @@ void WorkerThread::stop() {
 }
 
 void WorkerThread::halt() {
-  FairQueue<Job> dropped;  // destroyed out of the lock: it may hold the last ticket of a change
+  FairQueue<Queued> dropped;  // destroyed out of the lock: it may hold the last ticket of a change
   std::deque<Job> dropped_urgent;
   {
     const MutexLock lock(mutex_);
@@ -59,7 +60,7 @@ bool WorkerThread::post(Job job, const Asker& asker) {
   if (stopping_) {
     return false;
   }
-  jobs_.push(asker, std::move(job));
+  jobs_.push(asker, {std::move(job), asker});
   wake_.notify_one();
   return true;
 }
@@ -92,30 +93,35 @@ void WorkerThread::await(std::function<bool()> over, Job then) {
 }
 
 void WorkerThread::run() {
-  Pulse pulse{std::string(to_string(role_))};
+  rt::Pulse pulse{std::string(to_string(role_))};
   for (;;) {
     pulse.turn();
-    Job job;
-    if (!take(job)) {
+    Queued next;
+    if (!take(next)) {
       awaited_.clear();
       return;
     }
-    if (job) {
-      pulse.turn(Pulse::kBoundedElsewhere);
-      run_job(job);
+    if (next.job) {
+      pulse.turn(rt::Pulse::kBoundedElsewhere);
+      run_job(next);
     }
     look_at_awaited();
   }
 }
 
-void WorkerThread::run_job(const Job& job) {
+void WorkerThread::run_job(const Queued& queued) {
+  const bool counts = role_ == ThreadRole::control && queued.asker.role == server::Role::viewer;
+  const auto before = counts ? rt::cpu_time() : Duration{0};
   {
     const MutexLock lock(mutex_);
     busy_since_ = std::chrono::steady_clock::now();
   }
-  job();
+  queued.job();
   const MutexLock lock(mutex_);
   busy_since_.reset();
+  if (counts) {
+    share_.served(queued.asker.uid, rt::cpu_time() - before, ViewerShare::Clock::now());
+  }
 }
 
 std::optional<std::chrono::steady_clock::time_point> WorkerThread::busy_since() {
@@ -125,28 +131,31 @@ std::optional<std::chrono::steady_clock::time_point> WorkerThread::busy_since() 
 
 /// Takes the next job. False: the thread ends. No job: it is time to turn, and to look at the
 /// awaited conditions.
-bool WorkerThread::take(Job& job) {
+bool WorkerThread::take(Queued& next) {
   MutexLock lock(mutex_);
   const auto ready = [this]() MAUVE_REQUIRES(mutex_) {
-    return stopping_ || !urgent_.empty() || !jobs_.empty();
+    return stopping_ || !urgent_.empty() || jobs_.has(may_now());
   };
-  if (awaited_.empty()) {
-    if (!wake_.wait_for(lock, Pulse::kTurn, ready)) {
-      return true;
-    }
-  } else if (!wake_.wait_for(lock, pause_, ready)) {
+  const auto now = ViewerShare::Clock::now();
+  Duration longest = awaited_.empty() ? rt::Pulse::kTurn : Duration{pause_};
+  if (const auto viewer = share_.next(now); viewer && !jobs_.empty()) {
+    longest = std::min<Duration>(longest, *viewer - now);
+  }
+  if (!wake_.wait_for(lock, longest, ready)) {
     pause_ = std::min(2 * pause_, kLongestPause);
     return true;
   }
   if (!urgent_.empty()) {
-    job = std::move(urgent_.front());
+    next.job = std::move(urgent_.front());
     urgent_.pop_front();
     return true;
   }
   if (jobs_.empty()) {
     return false;
   }
-  job = jobs_.pop();
+  if (auto queued = jobs_.pop(may_now())) {
+    next = *std::move(queued);
+  }
   return true;
 }
 

@@ -18,6 +18,7 @@
 #include "base/thread_role.h"
 #include "changes/factory.h"
 #include "changes/fair_queue.h"
+#include "changes/viewer_share.h"
 
 namespace mauve::daemon {
 
@@ -37,7 +38,7 @@ class WorkerThread {
   /// [any] Drops all queued jobs: the job under way is the last one.
   void halt();
   /// [any] When it is the turn of its user, or in front of everything queued before. Dropped
-  /// (false) after stop().
+  /// (false) after stop(). On [control] a viewer has a share (viewer_share.h).
   bool post(Job job, const Asker& asker = {});
   bool post_urgent(Job job);
   /// The same, also in front of the urgent ones.
@@ -55,16 +56,28 @@ class WorkerThread {
     Job then;
   };
 
+  struct Queued {
+    Job job;
+    Asker asker;
+  };
+
   void run();
-  bool take(Job& job);
-  void run_job(const Job& job);
+  bool take(Queued& next);
+  void run_job(const Queued& queued);
+  /// Whether a viewer may be served now, as a FairQueue asks.
+  [[nodiscard]] auto may_now() const MAUVE_REQUIRES(mutex_) {
+    return [&share = share_, all = stopping_, now = ViewerShare::Clock::now()](uid_t viewer) {
+      return all || share.may(viewer, now);
+    };
+  }
   void look_at_awaited();
 
   const ThreadRole role_;
   Mutex mutex_;
   ConditionVariable wake_;
   std::deque<Job> urgent_ MAUVE_GUARDED_BY(mutex_);
-  FairQueue<Job> jobs_ MAUVE_GUARDED_BY(mutex_);
+  FairQueue<Queued> jobs_ MAUVE_GUARDED_BY(mutex_);
+  ViewerShare share_ MAUVE_GUARDED_BY(mutex_);  // of [control]
   bool stopping_ MAUVE_GUARDED_BY(mutex_) = false;
   std::optional<std::chrono::steady_clock::time_point> busy_since_ MAUVE_GUARDED_BY(mutex_);
   std::vector<Awaited> awaited_;  // this thread's own

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <deque>
 #include <list>
+#include <optional>
 #include <utility>
 
 #include "server/peer.h"
@@ -40,18 +41,33 @@ class FairQueue {
 
   /// Not of an empty queue.
   Item pop() {
-    auto& users =
-        *std::find_if(ranks_.begin(), ranks_.end(), [](const auto& rank) { return !rank.empty(); });
-    auto& items = users.front().items;
-    Item item = std::move(items.front());
-    items.pop_front();
-    --size_;
-    if (items.empty()) {
-      users.pop_front();
-    } else {
-      users.splice(users.end(), users, users.begin());
+    return *pop([](uid_t) { return true; });
+  }
+  /// Passes over viewers for whom `may(uid)` is false; nothing: only they have requests.
+  template <typename May>
+  std::optional<Item> pop(const May& may) {
+    for (auto& users : ranks_) {
+      const auto user = first_of(users, may);
+      if (user == users.end()) {
+        continue;
+      }
+      Item item = std::move(user->items.front());
+      user->items.pop_front();
+      --size_;
+      if (user->items.empty()) {
+        users.erase(user);
+      } else {
+        users.splice(users.end(), users, user);
+      }
+      return item;
     }
-    return item;
+    return std::nullopt;
+  }
+  /// Would pop() find one?
+  template <typename May>
+  [[nodiscard]] bool has(const May& may) {
+    return std::any_of(ranks_.begin(), ranks_.end(),
+                       [&](auto& users) { return first_of(users, may) != users.end(); });
   }
 
   [[nodiscard]] bool empty() const { return size_ == 0; }
@@ -63,14 +79,23 @@ class FairQueue {
     std::deque<Item> items;  ///< never empty
   };
 
+  static constexpr std::size_t kViewers = 2;
   static std::size_t rank_of(server::Role role) {
     if (role == server::Role::none) {
       return 0;
     }
-    return role >= server::Role::operator_ ? 1 : 2;
+    return role >= server::Role::operator_ ? 1 : kViewers;
   }
 
-  std::array<std::list<User>, 3> ranks_;
+  template <typename May>
+  typename std::list<User>::iterator first_of(std::list<User>& users, const May& may) {
+    return &users != &ranks_[kViewers]
+               ? users.begin()
+               : std::find_if(users.begin(), users.end(),
+                              [&](const User& one) { return may(one.uid); });
+  }
+
+  std::array<std::list<User>, kViewers + 1> ranks_;
   std::size_t size_ = 0;
 };
 

@@ -123,7 +123,15 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
   }
 }
 
+/// Nobody reads the answer.
+bool CommandTable::has_gone(const Call& call) {
+  return call.caller.outbox != nullptr && call.caller.outbox->is_shut();
+}
+
 void CommandTable::look(const Command& command, const Call& call) {
+  if (has_gone(call)) {
+    return;
+  }
   auto result = [&] {
     const StandStill still(running_);
     return command.at_once(running_, call);
@@ -132,6 +140,9 @@ void CommandTable::look(const Command& command, const Call& call) {
 }
 
 void CommandTable::run_aside(const Command& command, const CallPtr& call) {
+  if (has_gone(*call)) {
+    return;
+  }
   if (auto room = check_long_answers(running_, *call); !room) {
     return answer(running_, *call, room.error());
   }

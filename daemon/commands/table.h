@@ -24,7 +24,8 @@ class CommandTable final : public server::Dispatcher {
   /// The same reply, which counts the request as answered.
   [[nodiscard]] server::Reply counted(const protocol::Method& method, server::Reply reply) const;
   void run(const Command& command, const CallPtr& call);
-  /// [control]
+  static bool has_gone(const Call& call);
+  /// [control] A look for a client that has gone is dropped.
   void look(const Command& command, const Call& call);
   /// [control] The answer is written on [answer].
   void run_aside(const Command& command, const CallPtr& call);

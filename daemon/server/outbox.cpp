@@ -106,6 +106,11 @@ void Outbox::announce(std::map<Source, std::uint64_t>::iterator lost) {
   queue(sub, protocol::to_line(protocol::make_notification("dropped", std::move(params))) + '\n');
 }
 
+bool Outbox::is_shut() const {
+  const MutexLock lock(mutex_);
+  return shut_;
+}
+
 std::optional<std::string> Outbox::take() {
   MAUVE_ON_THREAD(io);
   const MutexLock lock(mutex_);

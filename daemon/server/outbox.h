@@ -31,6 +31,7 @@ class Outbox {
   bool close(std::uint64_t sub);
   /// [any] Nothing is accepted any more: the client is gone.
   void shut();
+  [[nodiscard]] bool is_shut() const;
 
   /// [any but rt] Queues {"method","params":{"sub",...}}. `address` names the source in a `dropped`
   /// notification, empty for none. False when the subscription has ended: stop producing.

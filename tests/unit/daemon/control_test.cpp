@@ -13,6 +13,7 @@
 
 #include "commands/recovery/abandoned.h"
 #include "model/job/abandonable_thread.h"
+#include "rt/time/cpu_time.h"
 #include "support/eventually.h"
 
 namespace mauve::daemon {
@@ -48,6 +49,29 @@ TEST_F(ControlTest, RunsReadsInOrder) {
   settle(control);
 
   EXPECT_THAT(noted(), testing::ElementsAre("a", "b"));
+}
+
+/// The first request of the viewer takes 300 ms of processor time, so that the second one waits for
+/// 5.7 s unless the thread ends. All others come later, and are served before it.
+TEST_F(ControlTest, ServesAllOthersWhileAViewerHasHadItsShare) {
+  const Asker viewer{server::Role::viewer, 7};
+  std::promise<void> served;
+  control.read(
+      [&] {
+        const auto begin = rt::cpu_time();
+        while (rt::cpu_time() - begin < std::chrono::milliseconds(300)) continue;
+        control.read([&] { note("the same viewer"); }, viewer);
+        control.read([&] { note("another viewer"); }, {server::Role::viewer, 8});
+        control.read([&] { note("an operator"); }, {server::Role::operator_, 9});
+        control.read([&] { note("a rule"); });
+        control.read([&] { served.set_value(); }, {server::Role::viewer, 8});
+      },
+      viewer);
+  served.get_future().wait();
+  EXPECT_THAT(noted(), testing::ElementsAre("a rule", "an operator", "another viewer"));
+
+  control.stop();
+  EXPECT_EQ(noted().back(), "the same viewer") << "what is queued at the end is served";
 }
 
 TEST_F(ControlTest, CountsTheLongAnswersOfEachUserAndDropsAtItsEndThoseThatWait) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "changes/fair_queue.h"
+#include "changes/viewer_share.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,6 +11,7 @@
 namespace mauve::daemon {
 namespace {
 
+using namespace std::chrono_literals;  // NOLINT: durations
 using server::Role;
 using testing::ElementsAre;
 
@@ -55,6 +57,37 @@ TEST_F(TheFairQueue, LetsUsersTakeTurnsWhateverOneHasQueued) {
   queue.push({Role::viewer, 9}, "c1");
 
   EXPECT_THAT(pop_all(), ElementsAre("b1", "a2", "c1", "a3"));
+}
+
+TEST_F(TheFairQueue, PassesOverViewersThatHaveHadTheirShare) {
+  queue.push(kViewer, "a1");
+  queue.push(kViewer, "a2");
+  queue.push(kOtherViewer, "b1");
+  const auto without_a = [](uid_t viewer) { return viewer != kViewer.uid; };
+
+  EXPECT_EQ(queue.pop(without_a), "b1");
+  EXPECT_FALSE(queue.has(without_a));
+  EXPECT_EQ(queue.pop(without_a), std::nullopt);
+  queue.push({Role::operator_, kViewer.uid}, "start");
+  EXPECT_EQ(queue.pop(without_a), "start") << "operators have no share";
+  EXPECT_THAT(pop_all(), ElementsAre("a1", "a2"));
+}
+
+TEST(TheShareOfAViewer, IsOneTwentiethOfTheTime) {
+  const auto now = ViewerShare::Clock::now();
+  ViewerShare share;
+  EXPECT_TRUE(share.may(1, now));
+  EXPECT_EQ(share.next(now), std::nullopt);
+
+  share.served(1, 2ms, now);
+  EXPECT_FALSE(share.may(1, now + 38ms - 1ns));
+  EXPECT_TRUE(share.may(1, now + 38ms));
+  EXPECT_TRUE(share.may(2, now));
+  EXPECT_EQ(share.next(now), now + 38ms);
+
+  share.served(2, 1ms, now + 1ms);
+  EXPECT_EQ(share.next(now + 1ms), now + 20ms);
+  EXPECT_EQ(share.next(now + 20ms), now + 38ms);
 }
 
 TEST_F(TheFairQueue, TakesAdminsAndOperatorsInTurn) {
