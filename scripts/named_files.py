@@ -12,7 +12,7 @@ import pathlib
 import re
 import sys
 
-TOPS = "libruntime|daemon|ctl|plugins|guardian|tests|scripts|etc|man|systemd|examples"
+TOPS = "libruntime|serial|daemon|ctl|plugins|guardian|tests|scripts|etc|man|systemd|examples"
 FILE = re.compile(rf"`((?:{TOPS})/[\w./-]+\.(?:h|cpp|py|json|txt|def|in|supp))`")
 FUNCTION_IN_FILE = re.compile(rf"`([\w:~]+)\(\)`,\s+`((?:{TOPS})/[\w./-]+\.(?:h|cpp))`")
 

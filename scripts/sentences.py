@@ -11,7 +11,7 @@ import pathlib
 import re
 import sys
 
-FOLDERS = ("ctl", "daemon", "docs", "etc", "examples", "guardian", "libruntime", "man", "plugins", "scripts",
+FOLDERS = ("ctl", "daemon", "docs", "etc", "examples", "guardian", "libruntime", "man", "plugins", "scripts", "serial",
            "systemd", "tests")
 SUFFIXES = (".cpp", ".h", ".md")
 PAST = ("CHANGELOG.md", "docs/decisions/")

@@ -16,7 +16,7 @@ import sys
 
 GLOSSARY = "docs/glossary.md"
 SUFFIXES = {".cpp", ".def", ".h", ".in", ".json", ".md", ".py", ".sh", ".txt"}
-FOLDERS = ("ctl", "daemon", "docs", "etc", "examples", "guardian", "libruntime", "man", "plugins", "scripts", "tests")
+FOLDERS = ("ctl", "daemon", "docs", "etc", "examples", "guardian", "libruntime", "man", "plugins", "scripts", "serial", "tests")
 PAST = ("CHANGELOG.md", "docs/decisions/", GLOSSARY)
 QUOTED = re.compile(r"`([^`]+)`")
 IDENTIFIER = re.compile(r"[A-Za-z_]\w*")

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 #include <optional>
+#include <utility>
 
 namespace teleop {
 namespace {
@@ -68,6 +69,10 @@ void EventReader::set_key(std::uint16_t code, bool pressed) {
   next_.buttons = static_cast<std::int32_t>(pressed ? before | bit : before & ~bit);
 }
 
+bool EventReader::holds() const {
+  return shown_.buttons != 0 || std::ranges::any_of(shown_.axes, [](float at) { return at != 0; });
+}
+
 bool EventReader::take_dropped() {
   const bool was = dropped_;
   dropped_ = false;
@@ -89,16 +94,13 @@ bool EventReader::take(const input_event& event) {
 
 bool EventReader::finish(std::uint16_t code) {
   if (code == SYN_DROPPED) {
-    skipping_ = true;
-    return false;
-  }
-  if (code != SYN_REPORT) return false;
-  if (skipping_) {
     // The buttons that are held now are unknown. Letting go stops the robot, or gives it back.
     begin();
-    dropped_ = true;
+    skipping_ = dropped_ = true;
     return true;
   }
+  if (code != SYN_REPORT) return false;
+  if (std::exchange(skipping_, false)) return false;
   shown_ = next_;
   return true;
 }

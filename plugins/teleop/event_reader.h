@@ -41,6 +41,8 @@ class EventReader {
   /// Takes all of it; how many reports were completed.
   std::size_t push(std::span<const char> bytes);
 
+  /// Is a button pressed, or an axis out of its middle?
+  [[nodiscard]] bool holds() const;
   /// The kernel dropped events: all was let go, and the device should be asked. Cleared by asking.
   [[nodiscard]] bool take_dropped();
   /// Axes and buttons of the last complete report; `time` and `connected` are the driver's.

@@ -23,7 +23,8 @@ void InputDevice::choose(const std::string& path, std::chrono::nanoseconds retry
 
 bool InputDevice::reopen() {
   opened_ = std::chrono::steady_clock::now();
-  drivers::Descriptor opened(::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+  mauve::serial::Descriptor opened(
+      ::open(path_.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
   struct stat facts {};
   if (!opened.open() || ::fstat(opened.number(), &facts) != 0) return false;
   terminal_ = ::isatty(opened.number()) == 1;

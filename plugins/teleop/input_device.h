@@ -13,7 +13,8 @@
 #include <string>
 #include <string_view>
 
-#include "../drivers/serial/serial_port.h"
+#include <mauve/serial/serial_port.h>
+
 #include "event_reader.h"
 
 namespace teleop {
@@ -28,7 +29,7 @@ struct Mark {
   static constexpr std::uint16_t kHighest = 0x200;  ///< and axis: its largest value
 };
 
-class InputDevice final : public drivers::LineEnd {
+class InputDevice final : public mauve::serial::LineEnd {
  public:
   /// The path that reopen() opens; while no program writes into a FIFO, it is opened anew each
   /// `retry`. [factory]
@@ -39,7 +40,7 @@ class InputDevice final : public drivers::LineEnd {
   [[nodiscard]] std::ptrdiff_t read(std::span<char> into) override;
   /// It is only read.
   [[nodiscard]] std::ptrdiff_t write(std::string_view bytes) const override;
-  void close() override { device_ = drivers::Descriptor(); }
+  void close() override { device_ = mauve::serial::Descriptor(); }
   /// Opens it, and then closes the one that was open before.
   bool reopen() override;
   [[nodiscard]] std::string name() const override { return path_; }
@@ -56,7 +57,7 @@ class InputDevice final : public drivers::LineEnd {
   void ask();
   void say(std::uint16_t type, std::uint16_t code, std::int32_t value);
 
-  drivers::Descriptor device_;
+  mauve::serial::Descriptor device_;
   std::string path_;
   std::chrono::nanoseconds retry_{};
   std::chrono::steady_clock::time_point opened_;

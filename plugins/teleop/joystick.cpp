@@ -2,7 +2,7 @@
 /// Component kind "teleop/joystick": the events of a Linux input device, read from
 /// /dev/input/event*, a FIFO or a pseudo-terminal; one write to port `joystick` each period. A
 /// device that is missing or goes away is looked for again every `retry`; meanwhile the joystick
-/// that is written is marked as not connected. A thread of its own (drivers/serial/line_thread.h)
+/// that is written is marked as not connected. A thread of its own (mauve/serial/line_thread.h)
 /// opens and reads the device, so that a job makes no system call for it. Example: mauvectl watch
 /// teleop.core.steering joystick.core.connected
 #include <array>
@@ -14,8 +14,8 @@
 
 #include <mauve/job.h>
 #include <mauve/log.h>
+#include <mauve/serial/line_thread.h>
 
-#include "../drivers/serial/line_thread.h"
 #include "event_reader.h"
 #include "input_device.h"
 #include "parts.h"
@@ -37,6 +37,7 @@ class JoystickDriver final : public mauve::Core<JoystickShell> {
     const bool open = line_.open();  // then the bytes from before it failed are there
     read();
     if (!open) find();
+    let_go_when_silent();
     Joystick now = reader_.shown();
     now.time = last_event_;
     now.connected = connected_;
@@ -57,6 +58,13 @@ class JoystickDriver final : public mauve::Core<JoystickShell> {
                                 "of axes of a device that does not state its ranges"};
   mauve::Property<mauve::Duration> retry{
       *this, "retry", 100ms, "between two looks for a lost device", {.min = 1ms, .max = 60s}};
+  mauve::Property<mauve::Duration> event_timeout{
+      *this,
+      "event_timeout",
+      0ns,
+      "what is held counts as let go without an event for so long; 0: never",
+      {.min = 0ns, .max = 3600s}};
+  mauve::Warning silent{*this, "silent", "what was held counts as let go, or it sends no events"};
   mauve::Observable<bool> connected{*this, "connected", false, "the device is there"};
   mauve::Observable<std::uint64_t> reports{*this, "reports", 0, "complete reports of the device"};
   mauve::Observable<std::uint64_t> dropped{*this, "dropped", 0, "times the kernel dropped events"};
@@ -122,13 +130,31 @@ class JoystickDriver final : public mauve::Core<JoystickShell> {
 
   void take(std::span<const char> bytes) {
     const std::size_t complete = reader_.push(bytes);
-    if (complete == 0) return;
+    if (complete == 0) {
+      if (++fragments_ == kMostFragments) {
+        silent.begin("its device sends no events of an input device: is it /dev/input/js*?");
+      }
+      return;
+    }
+    fragments_ = 0;
+    silent.end("its device sends events");
     reports += complete;
+    heard_ = mauve::job_time();
     last_event_ = std::chrono::duration<double>(mauve::Duration{mauve::job_time()}).count();
     if (reader_.take_dropped()) ++dropped;
   }
 
+  /// A wireless receiver stays when its joystick is out of reach, and goes on with what was held.
+  void let_go_when_silent() {
+    const bool held = reader_.holds();
+    if (event_timeout.get() == 0ns || !held) return;
+    if (mauve::job_time() - heard_ < event_timeout.get().count()) return;
+    reader_.begin();
+    silent.begin("it holds, and sends no event: all counts as let go");
+  }
+
   void there() {
+    heard_ = mauve::job_time();
     begin();
     if (connected_) return;
     connected_ = true;
@@ -146,13 +172,17 @@ class JoystickDriver final : public mauve::Core<JoystickShell> {
   }
 
   static constexpr int kEventsPerJob = 512;  // more waits for the next job
+  /// Events without the end of a report: a report has a few, a joystick may have 56 at once.
+  static constexpr int kMostFragments = 200;
 
   EventReader reader_;
   std::array<AxisRange, Joystick::kAxes> ranges_{};
   InputDevice device_;
-  drivers::LineBytes bytes_;
-  drivers::LineThread line_;  // ends before both
+  mauve::serial::LineBytes bytes_;
+  mauve::serial::LineThread line_;  // ends before both
   mauve::Instant next_look_ = 0;
+  mauve::Instant heard_ = 0;  // the last report
+  int fragments_ = 0;         // events since then
   double last_event_ = 0.0;
   // The observables go on from an earlier core; these are about this core's own descriptor.
   bool connected_ = false;

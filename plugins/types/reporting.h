@@ -28,6 +28,8 @@ class Condition {
     return before != good;
   }
 
+  [[nodiscard]] bool is_good() const { return good_; }
+
   /// Logs `good_text` as information, or `bad_text` as a warning, when it changed. Either text may
   /// show `argument`.
   template <std::size_t N, std::size_t M>

@@ -25,7 +25,8 @@ endif()
 if(TARGET mauvectl)
   install(TARGETS mauvectl RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT runtime)
 endif()
-install(TARGETS mauve_runtime mauve_stamp EXPORT mauveTargets
+install(TARGETS mauve_runtime mauve_serial mauve_stamp EXPORT mauveTargets
+  ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT dev
   LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT runtime NAMELINK_COMPONENT dev
   RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT dev)
 
@@ -62,7 +63,7 @@ if(CMAKE_OBJCOPY AND CMAKE_OBJDUMP)
 endif()
 
 # The SDK.
-install(DIRECTORY "${mauve_sources}/libruntime/include/mauve"
+install(DIRECTORY "${mauve_sources}/libruntime/include/mauve" "${mauve_sources}/serial/include/mauve"
   DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT dev FILES_MATCHING PATTERN "*.h")
 install(EXPORT mauveTargets NAMESPACE mauve:: DESTINATION "${mauve_cmake_dir}" COMPONENT dev)
 configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/mauveConfig.cmake.in"

@@ -10,6 +10,7 @@
 # A project that sets no build type gets RelWithDebInfo: without one the compiler would not optimise.
 set(MAUVE_PLUGIN_VERSION_SCRIPT "${CMAKE_CURRENT_LIST_DIR}/mauve_plugin.map")
 set(MAUVE_MEMBER_NAMES "${CMAKE_CURRENT_LIST_DIR}/member_names.py")
+include(CheckCXXCompilerFlag)
 find_package(Python3 QUIET COMPONENTS Interpreter)
 if(NOT Python3_Interpreter_FOUND)
   message(WARNING "mauve_add_plugin: there is no Python 3, so the names of members are not checked; install python3")
@@ -61,6 +62,11 @@ function(mauve_add_plugin name)
     MAUVE_PLUGIN_NAME="${name}" MAUVE_PLUGIN_VERSION="${ARG_VERSION}")
   # A fault (SIGFPE, SIGSEGV) in a core may be turned into an exception: unwinding must work there.
   target_compile_options(${ARG_TARGET} PRIVATE -fnon-call-exceptions)
+  # A frame that is larger than what is left of its stack must not jump over the guard page.
+  check_cxx_compiler_flag(-fstack-clash-protection MAUVE_HAS_STACK_CLASH_PROTECTION)
+  if(MAUVE_HAS_STACK_CLASH_PROTECTION)
+    target_compile_options(${ARG_TARGET} PRIVATE -fstack-clash-protection)
+  endif()
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # A unique symbol (any static of a template or inline function) would forbid unloading.
     target_compile_options(${ARG_TARGET} PRIVATE -fno-gnu-unique)

@@ -9,9 +9,10 @@
 #include <string_view>
 #include <vector>
 
+#include <mauve/serial/serial_port.h>
+
 #include "../../plugins/drivers/gnss/nmea_write.h"
 #include "../../plugins/drivers/gnss/ubx_pvt.h"
-#include "../../plugins/drivers/serial/serial_port.h"
 #include "../../plugins/world/random.h"
 #include "serial_drivers.h"
 #include "support/gpsd_check.h"

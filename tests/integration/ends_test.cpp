@@ -12,6 +12,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <list>
 #include <mutex>
 #include <optional>
 #include <string_view>
@@ -38,14 +39,20 @@ struct End {
 
 constexpr const char* kOutOfMemory = "out of memory";
 
-constexpr std::array<End, 26> kEnds{{
+constexpr const char* kForeign = "foreign thread";
+constexpr const char* kStop = "mauvectl stop";
+constexpr const char* kStopAll = "mauvectl stop --all";
+constexpr const char* kStopSource = "stop of its source";
+
+constexpr std::array<End, 30> kEnds{{
     {"SIGKILL", SIGKILL}, {"SIGSTOP", SIGSTOP}, {"SIGQUIT", SIGQUIT}, {"SIGUSR1", SIGUSR1},
     {"SIGALRM", SIGALRM}, {"SIGXCPU", SIGXCPU}, {"SIGSEGV", SIGSEGV}, {"SIGABRT", SIGABRT},
     {"SIGTERM", SIGTERM}, {"throw", 0},         {"write nowhere", 0}, {"full stack", 0},
     {"abort", 0},         {"terminate", 0},     {"free twice", 0},    {"exit", 0},
     {"quick_exit", 0},    {"_exit", 0},         {"exit_group", 0},    {"pthread_exit", 0},
     {"exec", 0},          {"close all", 0},     {"loop", 0},          {"loop above all", 0},
-    {"sleep", 0},         {kOutOfMemory, 0},
+    {"sleep", 0},         {kOutOfMemory, 0},    {kForeign, 0},        {kStop, 0},
+    {kStopAll, 0},        {kStopSource, 0},
 }};
 
 bool is_out_of_memory(const End& end) { return std::string_view(end.name) == kOutOfMemory; }
@@ -95,6 +102,39 @@ class Witness {
   rt::Thread thread_;
 };
 
+/// Threads of another program, above all components, on every CPU.
+class Foreign {
+ public:
+  void begin() {
+    for (const int cpu : rt::usable_cpus()) {
+      EXPECT_TRUE(threads_.emplace_back().start({"foreign", 80, {cpu}, 64 * 1024}, [this] {
+        const Instant begin = MonotonicClock().now();
+        while (!ends_ && Duration{MonotonicClock().now() - begin} < 3s) continue;
+      }));
+    }
+  }
+  ~Foreign() {
+    ends_ = true;
+    for (rt::Thread& thread : threads_) thread.join();
+  }
+
+ private:
+  std::atomic<bool> ends_{false};
+  std::list<rt::Thread> threads_;
+};
+
+/// The act from outside, or the word to the component.
+void bring_about(const End& end, const DaemonProcess& daemon, const TempDir& place,
+                 Foreign& foreign) {
+  const std::string_view name = end.name;
+  if (name == kForeign) return foreign.begin();
+  if (name == kStop) return static_cast<void>(daemon.ask({"stop", "base"}));
+  if (name == kStopAll) return static_cast<void>(daemon.ask({"stop", "--all"}));
+  if (name == kStopSource) return static_cast<void>(daemon.ask({"stop", "cruise"}));
+  place.write("next", end.name);
+  std::filesystem::rename(place / "next", place / "how");
+}
+
 /// Milliseconds until it stood, for good; nothing: it did not.
 std::optional<double> end_one(const End& end, const MemoryGroup& group) {
   const TempDir place;
@@ -108,6 +148,7 @@ std::optional<double> end_one(const End& end, const MemoryGroup& group) {
   constexpr std::chrono::minutes kToStart{2};  // beside a load; the ends are judged, not the start
   EXPECT_TRUE(daemon.up(kToStart)) << daemon.errors();
   const Witness witness(base);
+  Foreign foreign;
   EXPECT_TRUE(eventually([&] { return witness.drives() > 3; })) << daemon.errors();
 
   if (is_out_of_memory(end)) {
@@ -118,8 +159,7 @@ std::optional<double> end_one(const End& end, const MemoryGroup& group) {
   if (end.signal != 0) {
     daemon.process().signal(end.signal);
   } else {
-    place.write("next", end.name);
-    std::filesystem::rename(place / "next", place / "how");
+    bring_about(end, daemon, place, foreign);
   }
   const bool stood = eventually(
       [&] {
@@ -153,7 +193,7 @@ TEST(NoEnd, LeavesAnOutputLive) {
     }
     std::sort(times_to_stand.begin(), times_to_stand.end());
     if (times_to_stand.empty()) continue;
-    std::printf("%-15s safe %2zu of %2d, after p50 %6.1f ms, at most %6.1f ms\n", end.name,
+    std::printf("%-19s safe %2zu of %2d, after p50 %6.1f ms, at most %6.1f ms\n", end.name,
                 times_to_stand.size(), times(), times_to_stand[times_to_stand.size() / 2],
                 times_to_stand.back());
     std::fflush(stdout);

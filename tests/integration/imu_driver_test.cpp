@@ -4,10 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <string>
+#include <vector>
 
+#include <mauve/serial/serial_port.h>
+
+#include "../../plugins/drivers/imu/xbus_frame.h"
 #include "../../plugins/drivers/imu/xbus_imu.h"
-#include "../../plugins/drivers/serial/serial_port.h"
 #include "serial_drivers.h"
 #include "support/temp_dir.h"
 
@@ -93,6 +97,56 @@ TEST(ImuDriver, CountsDamageAndValuesThatAreNoNumbers) {
   driver.run(6s);
 
   EXPECT_EQ(driver.observe("bad_frames"), 2) << "the half frame";
+}
+
+/// The bytes of a message of a unit, with these items.
+std::string message(const std::string& items) {
+  std::vector<std::uint8_t> frame(drivers::XbusFormat::kHeader, 0);
+  frame.insert(frame.end(), items.begin(), items.end());
+  frame.push_back(0);
+  drivers::xbus_seal(frame, 0x36);
+  return {frame.begin(), frame.end()};
+}
+
+/// It works as it is asked, and there is nothing that it could publish.
+TEST(ImuDriver, NamesWhatKeepsItFromPublishing) {
+  using namespace std::string_literals;
+  PseudoTerminal line;
+  ASSERT_TRUE(line.open(""));
+  Simulated driver(imu(line.device()));
+  ASSERT_TRUE(driver.up());
+  const auto after_5s_of = [&](const std::string& bytes) {
+    for (int i = 0; i < 52; ++i) {
+      driver.take(line, bytes);
+      driver.run(100ms);
+    }
+    return driver.warning("silent");
+  };
+  const std::string double_rate = "\x80\x23\x18"s + std::string(24, '\0');
+  const std::string status = "\xe0\x20\x04\0\0\0\x02"s;
+
+  driver.run(4900ms);
+  EXPECT_EQ(driver.warning("silent"), "") << "not yet";
+  driver.run(200ms);
+  EXPECT_EQ(driver.warning("silent"), "its device sends nothing");
+  driver.take(line, xbus({}, 1));
+  driver.run(20ms);
+  EXPECT_EQ(driver.warning("silent"), "") << "it publishes";
+
+  EXPECT_EQ(after_5s_of("\x33garbage"),
+            "its device sends bytes, and no undamaged frame: look at `baud`");
+  EXPECT_EQ(after_5s_of(message(double_rate)),
+            "its unit sends no rate of turn (item 0x8020 of MTData2)");
+  EXPECT_EQ(after_5s_of(message(status)),
+            "its unit sends no rate of turn (item 0x8020 of MTData2)");
+  EXPECT_EQ(after_5s_of(message("\x80\x20\x18"s + std::string(24, '\0'))),
+            "its items are no vectors of single precision");
+  EXPECT_EQ(after_5s_of(xbus({0.0, NAN, 0.0, 0.0, 0.0, false}, 2)),
+            "its values are no numbers, or beyond the range of any unit");
+
+  driver.take(line, xbus({}, 3));
+  driver.run(20ms);
+  EXPECT_EQ(driver.observe("silent"), 0);
 }
 
 /// The simulated world at the far end: a receiver and a unit that speak to the real drivers.

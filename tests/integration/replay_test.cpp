@@ -15,8 +15,9 @@
 #include <string_view>
 #include <vector>
 
+#include <mauve/serial/serial_port.h>
+
 #include "../../plugins/drivers/gnss/nmea_write.h"
-#include "../../plugins/drivers/serial/serial_port.h"
 #include "support/daemon_process.h"
 #include "support/gpsd_check.h"
 #include "support/test_data.h"
@@ -108,7 +109,7 @@ class Replay : public testing::Test {
   std::uint64_t bad_frames() { return daemon_->value("gnss.core.bad_frames").get<std::uint64_t>(); }
 
   TempDir place_;
-  drivers::PseudoTerminal line_;
+  mauve::serial::PseudoTerminal line_;
   drivers::NmeaWriter writer_;
   std::optional<DaemonProcess> daemon_;
   std::optional<Process> watch_;
@@ -163,7 +164,7 @@ TEST_F(Replay, CountsAndSkipsDamagedSentencesAndUsesTheNextGoodOne) {
     EXPECT_NEAR(seen[i]["latitude"], 40.0 + 0.02 * static_cast<double>(i), 1e-7);
   }
   EXPECT_EQ(bad_frames(), 10U) << "those that broke off have no checksum";
-  EXPECT_TRUE(daemon_->says("gnss: 10 damaged frames so far")) << daemon_->errors();
+  EXPECT_TRUE(daemon_->says("gnss: damaged frames: 10 so far")) << daemon_->errors();
 }
 
 TEST_F(Replay, PublishesNothingWhileDisconnectedAndGoesOnAfterwards) {
@@ -184,7 +185,7 @@ TEST_F(Replay, PublishesNothingWhileDisconnectedAndGoesOnAfterwards) {
 TEST(ReplayGnss, OpensItsDeviceAgainWhenItComesBack) {
   TempDir place;
   const std::string device = (place / "receiver").string();
-  drivers::PseudoTerminal line;
+  mauve::serial::PseudoTerminal line;
   drivers::NmeaWriter writer;
   ASSERT_TRUE(line.open(device));
   DaemonProcess daemon(place.write("replay.json", replay(device, "")));

@@ -10,9 +10,10 @@
 #include <string>
 #include <utility>
 
+#include <mauve/serial/serial_port.h>
+
 #include "../../plugins/drivers/base/create_oi.h"
 #include "../../plugins/drivers/laser/scip_write.h"
-#include "../../plugins/drivers/serial/serial_port.h"
 #include "../../plugins/types/pose.h"
 #include "../../plugins/types/velocity.h"
 #include "robot_drivers.h"
@@ -64,7 +65,7 @@ class HandScanner {
   }
 
   std::string path_;
-  drivers::PseudoTerminal line_;
+  mauve::serial::PseudoTerminal line_;
   scip::TextReader heard_;
   scip::ReplyWriter writer_;
   scip::Request request_;
@@ -179,7 +180,7 @@ class BaseInHand : public testing::Test {
 
   TempDir place_;
   std::string path_;
-  drivers::PseudoTerminal line_;
+  mauve::serial::PseudoTerminal line_;
   create::CommandReader heard_;
   create::Report report_{0, create::Mode::safe, 100, 100};
   std::optional<create::Command> last_;

@@ -13,6 +13,7 @@
 #include <mauve/detail/job.h>
 #include <mauve/host/architecture.h>
 #include <mauve/host/deployer.h>
+#include <mauve/observable.h>
 
 #include "arch/build/load.h"
 #include "plugin/load/catalog.h"
@@ -87,6 +88,11 @@ class System {
     if (const auto* integer = value.get_if<std::int64_t>()) return static_cast<double>(*integer);
     if (const auto* truth = value.get_if<bool>()) return *truth ? 1.0 : 0.0;
     return *value.get_if<double>();
+  }
+  /// Of a warning that lasts.
+  [[nodiscard]] std::string reason(const std::string& owner, const std::string& name) const {
+    const auto& core = architecture_->find_component(owner)->core();
+    return std::string(dynamic_cast<mauve::Warning*>(core.find_observable(name))->reason());
   }
   /// The value of a resource; its default when there is none.
   template <typename T>

@@ -3,10 +3,17 @@
 /// devices at the other ends.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
+
+#include <mauve/serial/serial_port.h>
+
+#include "../../plugins/drivers/base/create_oi.h"
+#include "../../plugins/drivers/laser/scip_write.h"
 
 #include "../../plugins/types/motion.h"
 #include "../../plugins/types/pose.h"
@@ -138,6 +145,82 @@ TEST(RobotDrivers, ASwapDoesNotStopTheBase) {
   EXPECT_FALSE(stood);
   EXPECT_EQ(robot->observe("base", "jumps"), 0.0);
   EXPECT_EQ(robot->observe("laser", "device_errors"), 0.0);
+}
+
+/// A scanner that grants all requests but the one to switch its beam on.
+class RefusingScanner {
+ public:
+  RefusingScanner() { EXPECT_TRUE(line.open("")); }
+  void answer() {
+    std::array<char, 256> bytes{};
+    heard_.append(bytes.data(), line.receive(bytes));
+    for (auto end = heard_.find('\n'); end != std::string::npos; end = heard_.find('\n')) {
+      const std::string request = heard_.substr(0, end);
+      heard_.erase(0, end + 1);
+      static_cast<void>(line.send(reply_to(request)));
+    }
+  }
+
+  mauve::serial::PseudoTerminal line;
+  bool refuses = true;
+
+ private:
+  std::string_view reply_to(const std::string& request) {
+    constexpr drivers::scip::Limits kUrg{20, 5600, 1024, 44, 725, 384, 600};
+    if (request == "PP") return writer_.limits(request, kUrg);
+    if (request == "BM" && refuses) return writer_.reply(request, "01");
+    return writer_.reply(request, "00");
+  }
+
+  drivers::scip::ReplyWriter writer_;
+  std::string heard_;
+};
+
+TEST(RobotDrivers, AScannerThatRefusesToMeasureOrSendsNoScanIsNamed) {
+  RefusingScanner scanner;
+  System robot(kLaser, scanner.line.device(), "pty:base");
+  ASSERT_TRUE(robot.deployed());
+  robot.meanwhile([&] { scanner.answer(); });
+  const auto is_silent = [&] { return robot.observe("laser", "silent") == 1.0; };
+
+  EXPECT_TRUE(robot.reaches("laser", "refused", 3));
+  EXPECT_TRUE(robot.run_until(is_silent));
+  EXPECT_EQ(robot.reason("laser", "silent"), "its scanner refuses to measure: status {}");
+
+  scanner.refuses = false;
+  EXPECT_TRUE(robot.goes_on("laser", "timeouts", 2)) << "it grants, and sends nothing";
+  EXPECT_TRUE(is_silent());
+  EXPECT_EQ(robot.reason("laser", "silent"), "its scanner answers, and sends no undamaged scan");
+}
+
+/// Its button was pressed, it stands on its dock, or its mode is not known.
+TEST(RobotDrivers, ABaseThatObeysNoCommandIsNamedAndItsWheelsAreCounted) {
+  mauve::serial::PseudoTerminal line;
+  ASSERT_TRUE(line.open(""));
+  System robot(kBase, "pty:laser", line.device());
+  ASSERT_TRUE(robot.deployed());
+  std::uint16_t count = 0;
+  int mode = 2;
+  robot.meanwhile([&] {
+    count = static_cast<std::uint16_t>(count + 20);
+    const auto frame =
+        drivers::create::frame_of({0, static_cast<drivers::create::Mode>(mode), count, count});
+    static_cast<void>(line.send({frame.data(), frame.size()}));
+  });
+  ASSERT_TRUE(robot.reaches("base", "frames", 100));
+  EXPECT_EQ(robot.observe("base", "disobeys"), 0.0);
+
+  for (const int other : {1, 4, 0}) {
+    mode = other;
+    EXPECT_TRUE(robot.run_until([&] { return robot.observe("base", "disobeys") == 1.0; })) << other;
+    const double way = robot.read<rover::Odometry>("odometry").x;
+    EXPECT_TRUE(robot.goes_on("base", "frames", 100));
+    EXPECT_GT(robot.read<rover::Odometry>("odometry").x, way + 0.3) << other;
+    mode = 2;
+    EXPECT_TRUE(robot.run_until([&] { return robot.observe("base", "disobeys") == 0.0; })) << other;
+  }
+  EXPECT_EQ(robot.observe("base", "bad_frames"), 0.0);
+  EXPECT_EQ(robot.observe("base", "timeouts"), 0.0);
 }
 
 TEST(RobotDrivers, RefuseADeviceIntoWhichTheyMustNotWrite) {

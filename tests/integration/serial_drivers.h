@@ -13,8 +13,9 @@
 
 #include <mauve/host/architecture.h>
 #include <mauve/host/deployer.h>
+#include <mauve/observable.h>
+#include <mauve/serial/serial_port.h>
 
-#include "../../plugins/drivers/serial/serial_port.h"
 #include "arch/build/load.h"
 #include "plugin/load/catalog.h"
 #include "support/eventually.h"
@@ -23,8 +24,8 @@
 namespace serial {
 
 using namespace std::chrono_literals;  // NOLINT: durations
-using drivers::PseudoTerminal;
 using mauve::Value;
+using mauve::serial::PseudoTerminal;
 
 /// A driver "driver" of `kind`, whose output goes to the resource "data".
 inline std::string driver(const std::string& kind, const std::string& type, const std::string& port,
@@ -63,7 +64,14 @@ class Simulated {
   [[nodiscard]] std::int64_t observe(const std::string& name,
                                      const std::string& owner = "driver") const {
     const Value value = architecture_->find_component(owner)->core().find_observable(name)->value();
+    if (const auto* yes = value.get_if<bool>()) return *yes ? 1 : 0;
     return *value.get_if<std::int64_t>();
+  }
+  /// Of a warning of the driver that lasts, else empty.
+  [[nodiscard]] std::string warning(const std::string& name) const {
+    const auto& core = architecture_->find_component("driver")->core();
+    const auto* warning = dynamic_cast<const mauve::Warning*>(core.find_observable(name));
+    return warning != nullptr && warning->lasts() ? std::string(warning->reason()) : std::string();
   }
 
   /// Sends it and waits, at the same instant, until the line's thread has all of it.

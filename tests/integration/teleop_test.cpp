@@ -12,8 +12,8 @@
 
 #include <mauve/host/architecture.h>
 #include <mauve/host/deployer.h>
+#include <mauve/serial/serial_port.h>
 
-#include "../../plugins/drivers/serial/serial_port.h"
 #include "../../plugins/types/velocity.h"
 #include "arch/build/load.h"
 #include "plugin/load/catalog.h"
@@ -76,7 +76,7 @@ class Teleop : public testing::Test {
   void plug() {
     const auto before = observe("joystick", "received");
     ASSERT_TRUE(eventually([&] {
-      writer_ = drivers::Descriptor(open(device_.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC));
+      writer_ = mauve::serial::Descriptor(open(device_.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC));
       if (!writer_.open()) deployer_->run_for(100ms);  // it is looked for
       return writer_.open();
     }));
@@ -84,7 +84,7 @@ class Teleop : public testing::Test {
   }
   void unplug() {
     const auto before = observe("joystick", "received");
-    writer_ = drivers::Descriptor();
+    writer_ = mauve::serial::Descriptor();
     ASSERT_TRUE(has_arrived(before, sizeof(input_event)));
   }
   void send(const InputEvents& events) {
@@ -129,7 +129,7 @@ class Teleop : public testing::Test {
   mauve::plugin::Catalog catalog_{{MAUVE_PLUGIN_DIR}};
   std::unique_ptr<mauve::Architecture> architecture_;
   std::unique_ptr<mauve::test::ProvedDeployer> deployer_;
-  drivers::Descriptor writer_;
+  mauve::serial::Descriptor writer_;
 };
 
 TEST_F(Teleop, LetsTheCommandThroughWhileNobodySteers) {
@@ -166,6 +166,48 @@ TEST_F(Teleop, KeepsTheRobotWhileTheStickIsHeldStill) {
 
   EXPECT_DOUBLE_EQ(turn(), 1.0);
   EXPECT_EQ(observe("priority", "take_overs"), 1);
+}
+
+/// The receiver of a wireless joystick stays plugged in when the joystick is out of reach.
+TEST_F(Teleop, LetsGoOfTheRobotWhenNoEventComesForSoLong) {
+  ASSERT_TRUE(deployer_->set("joystick.core.event_timeout", Value("3s")));
+  deployer_->run_for(200ms);  // the new core has a line of its own
+  plug();
+  send(full_left());
+  deployer_->run_for(2900ms);
+  EXPECT_DOUBLE_EQ(turn(), 1.0);
+  send(full_left());
+  deployer_->run_for(2900ms);
+  EXPECT_DOUBLE_EQ(turn(), 1.0) << "a hand moves a little";
+
+  deployer_->run_for(110ms);
+  EXPECT_DOUBLE_EQ(turn(), 0.0);
+  EXPECT_EQ(observe("joystick", "silent"), 1);
+
+  send(InputEvents().axis(ABS_Y, 100).report());
+  deployer_->run_for(300ms);
+  EXPECT_DOUBLE_EQ(turn(), 0.1) << "what was held may be let go by now";
+  EXPECT_EQ(observe("joystick", "silent"), 0);
+  send(full_left());
+  deployer_->run_for(10ms);
+  EXPECT_DOUBLE_EQ(turn(), 1.0);
+}
+
+/// /dev/input/js0 has events of eight bytes.
+TEST_F(Teleop, SaysThatItsDeviceSendsNoEventsOfAnInputDevice) {
+  plug();
+  std::string other;
+  for (int i = 0; i < 900; ++i) {
+    other.append({static_cast<char>(i % 100 + 1), 7, 0, 0, 1, 2, 2, static_cast<char>(i % 8)});
+  }
+  const auto before = observe("joystick", "received");
+  ASSERT_EQ(write(writer_.number(), other.data(), other.size()),
+            static_cast<ssize_t>(other.size()));
+  ASSERT_TRUE(has_arrived(before, other.size()));
+  deployer_->run_for(100ms);
+
+  EXPECT_EQ(observe("joystick", "silent"), 1);
+  EXPECT_EQ(observe("joystick", "reports"), 0);
 }
 
 TEST_F(Teleop, StandsStillForTheTimeOutAndThenGivesTheRobotBack) {

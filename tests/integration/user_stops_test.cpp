@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // A stop by a user, answered, stands against everything that comes after it but a start by a user.
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <thread>
@@ -65,6 +66,28 @@ TEST_F(UserStop, OfWhatAChangeHasStoppedAlreadyStandsAgainstItsUndo) {
     ASSERT_EQ(daemon->ask("component.start", kEach)["state"], "applied");
     EXPECT_EQ(state_of("second"), "running");
   }
+}
+
+TEST_F(UserStop, IsNamedWithItsUserWhileItStands) {
+  begin();
+  const auto by = [this](const std::string& name) {
+    EXPECT_EQ(daemon->ask("component.why", {{"component", name}})["stopped_by"],
+              daemon->component(name).value("stopped_by", Json()));
+    return daemon->component(name).value("stopped_by", std::string());
+  };
+  const auto this_user = testing::StartsWith("uid " + std::to_string(getuid()) + " stopped it at ");
+  EXPECT_EQ(by("second"), "");
+
+  daemon->ask("component.stop", kSecondOnly);
+  EXPECT_THAT(by("second"), this_user);
+  EXPECT_EQ(by("first"), "");
+  daemon->ask("component.stop", kEach);
+  EXPECT_THAT(by("first"), this_user);
+  daemon->ask("component.start", kEach);
+  EXPECT_EQ(by("first") + by("second"), "");
+
+  ASSERT_EQ(daemon->ask("change.apply", steps({{{"stop", "second"}}}))["state"], "applied");
+  EXPECT_EQ(by("second"), "") << "a later change may start it";
 }
 
 TEST_F(UserStop, StandsWhenNobodyConfirmsTheChangeThatStoppedItBefore) {

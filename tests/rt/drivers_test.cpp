@@ -10,8 +10,8 @@
 
 #include <mauve/host/architecture.h>
 #include <mauve/host/deployer.h>
+#include <mauve/serial/serial_port.h>
 
-#include "../../plugins/drivers/serial/serial_port.h"
 #include "arch/build/load.h"
 #include "plugin/load/catalog.h"
 #include "rt/heap_probe.h"
@@ -22,7 +22,7 @@
 namespace {
 
 using namespace std::chrono_literals;  // NOLINT: durations
-using drivers::PseudoTerminal;
+using mauve::serial::PseudoTerminal;
 using mauve::test::eventually;
 
 class Driven {

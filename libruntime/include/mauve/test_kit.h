@@ -13,89 +13,17 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <optional>
+#include <string>
 #include <utility>
-#include <vector>
 
 #include <mauve/detail/job.h>
+#include <mauve/detail/port_bench.h>
 #include <mauve/host/architecture.h>
 #include <mauve/host/deployer.h>
 #include <mauve/job_cost.h>
 
 namespace mauve {
-
-/// The far ends of all ports of one shell: a value to read, a place to write to, an answer to give.
-class PortBench {
- public:
-  /// Connects each port of plain data.
-  explicit PortBench(Shell& shell) : shell_(shell) {
-    for (PortBase* port : shell.ports()) {
-      const Signature& signature = port->signature();
-      ends_.emplace_back();
-      if (signature.data == nullptr || !signature.data->flat) continue;
-      ends_.back() = std::make_unique<SharedDataBase>(std::string(port->name()), *signature.data);
-      static_cast<void>(port->connect(signature.kind == PortKind::read
-                                          ? ends_.back()->read_service()
-                                          : ends_.back()->write_service()));
-    }
-  }
-
-  /// The port reads this value from now on; the value is written now.
-  template <typename T>
-  void give(const ReadPort<T>& port, const T& value) {
-    ends_[port.index()]->write_service().write(&value);
-  }
-  /// Before configure: the port finds older values stale, as with `max_age` in a file.
-  template <typename T>
-  void max_age(ReadPort<T>& port, Duration age) {
-    shell_.initial_bindings()[port.index()] = nullptr;
-    static_cast<void>(port.connect(ends_[port.index()]->read_service(), age));
-  }
-  /// The last value that the core wrote; empty when it never did.
-  template <typename T>
-  [[nodiscard]] std::optional<T> written(const WritePort<T>& port) {
-    T value{};
-    Cursor cursor{ends_[port.index()]->read_service().attach(), 0, 0};
-    const DataStatus status = ends_[port.index()]->read_service().read(&value, cursor);
-    ends_[port.index()]->read_service().detach(cursor.slot);
-    return has_value(status) ? std::optional<T>(value) : std::nullopt;
-  }
-  /// Before configure: `function` answers the calls of this port.
-  template <typename R, typename... P>
-  void answer(CallPort<R(P...)>& port, std::function<R(P...)> function) {
-    answers_.push_back(std::make_unique<Answer<R, P...>>(std::move(function)));
-    static_cast<void>(port.connect(*answers_.back()));
-  }
-
- private:
-  static SharedDataBase& nowhere() {
-    static SharedDataBase resource("test_kit", data_type<double>());
-    return resource;
-  }
-  template <typename R, typename... P>
-  class Answer final : public ServiceBase {
-   public:
-    explicit Answer(std::function<R(P...)> function)
-        : ServiceBase(nowhere().interface(), "answer", Signature::call<R, P...>()),
-          function_(std::move(function)) {}
-    bool invoke(void* result, void* const* arguments) override {
-      return call(result, arguments, std::index_sequence_for<P...>{});
-    }
-
-   private:
-    template <std::size_t... I>
-    bool call(void* result, void* const* arguments, std::index_sequence<I...>) {
-      *static_cast<R*>(result) = function_(*static_cast<std::remove_cvref_t<P>*>(arguments[I])...);
-      return true;
-    }
-    std::function<R(P...)> function_;
-  };
-
-  Shell& shell_;
-  std::vector<std::unique_ptr<SharedDataBase>> ends_;  // by port index; null: not of this kind
-  std::vector<std::unique_ptr<ServiceBase>> answers_;
-};
 
 /// One core with its shell; its methods are called by the test, on the thread of the test.
 /// @snippet api_examples.cpp CoreBench
@@ -191,6 +119,20 @@ class ComponentBench : public Architecture {
   void run_for(Duration duration) {
     cost_ = cost_of([&] { deployer_.run_for(duration); }, true);
   }
+  /// Exchanges the core for a new one of its class, as a reload does: properties, observables and
+  /// state continue, all else of the core begins anew. After deploy().
+  Status renew() {
+    const Result<Receipt> done = deployer_.swap_core<CoreT>("component");
+    return done ? ok() : Status(done.error());
+  }
+  /// The values of the write ports with a described type, and of the observables of the core.
+  [[nodiscard]] BenchOutputs outputs() const {
+    BenchOutputs all = ports_.written();
+    for (const ObservableBase* one : component_.ComponentBase::core().observables()) {
+      all.emplace_back("core." + std::string(one->name()), to_string(one->value()));
+    }
+    return all;
+  }
   /// The heap and kernel use of the jobs of the last run_for(); page faults are those of the
   /// simulation too.
   [[nodiscard]] const JobCost& cost() const { return cost_; }
@@ -201,5 +143,33 @@ class ComponentBench : public Architecture {
   JobCost cost_;
   Deployer deployer_{*this, {.realtime = Realtime::off, .simulated = true}};
 };
+
+/// The ready test of a core: a swap with itself changes no output. Two benches are prepared and
+/// driven alike, with the number of the step; the core of one of them is renewed before each step.
+/// Returns "" if all outputs() are alike after each step, else a sentence with the first that
+/// differs. `prepare` deploys the bench, and both functions return nothing.
+/// @snippet api_examples.cpp difference_when_renewed
+template <typename BenchT, typename Prepare, typename Step>
+[[nodiscard]] std::string difference_when_renewed(int steps, Prepare&& prepare, Step&& step) {
+  BenchT lasting;
+  BenchT renewed;
+  prepare(lasting);
+  prepare(renewed);
+  for (int i = 0; i < steps; ++i) {
+    if (const Status done = renewed.renew(); !done) return to_string(done.error());
+    step(lasting, i);
+    step(renewed, i);
+    const BenchOutputs wanted = lasting.outputs();
+    const BenchOutputs found = renewed.outputs();
+    for (std::size_t k = 0; k < wanted.size(); ++k) {
+      if (wanted[k].second == found[k].second) continue;
+      return wanted[k].first + " is " + wanted[k].second + " in step " + std::to_string(i) +
+             ", and " + found[k].second +
+             " after a swap of the core with itself: keep what it is "
+             "made of in the mauve::State";
+    }
+  }
+  return {};
+}
 
 }  // namespace mauve

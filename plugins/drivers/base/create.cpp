@@ -12,7 +12,8 @@
 ///
 /// While the bumper is pressed the base is not driven forward. When a wheel drops or a cliff is
 /// there the base stops by itself and obeys no more (`mode` 1): it is armed again by `mauvectl
-/// stop` and `start`, not before. A base that is silent for `answer_timeout` is begun anew, which
+/// stop` and `start`, not before. The warning `disobeys` lasts meanwhile, as it does when somebody
+/// presses its button or docks it. A base that is silent for `answer_timeout` is begun anew, which
 /// stops it.
 #include <algorithm>
 #include <cmath>
@@ -20,9 +21,11 @@
 #include <string>
 
 #include <mauve/job.h>
+#include <mauve/serial/device_line.h>
 
+#include "../../types/silence.h"
 #include "../parts.h"
-#include "../serial/device_line.h"
+#include "../serial/damaged.h"
 #include "base_driver.h"
 #include "create_oi.h"
 #include "wheels.h"
@@ -31,7 +34,7 @@ namespace drivers {
 
 /// The state that survives a change: unused bytes, the frame begun, and the wheel odometry.
 struct BaseLine {
-  LineBytes bytes;
+  mauve::serial::LineBytes bytes;
   create::ReportReader reports;
   WheelOdometry wheels;
   bool begun = false;  // the base may be driving
@@ -50,16 +53,7 @@ class CreateOi final : public BaseCore {
 
   mauve::State<BaseLine> state{*this};
   mauve::Guarded stand{*this, "stand"};
-  mauve::Property<std::string> device{*this,
-                                      "device",
-                                      "/dev/ttyUSB0",
-                                      "serial device, or pty:NAME of a simulated base",
-                                      {.within = "/dev/ pty:"}};
-  mauve::Property<int> baud{*this,
-                            "baud",
-                            115'200,
-                            "speed of the line; 0 leaves it alone",
-                            {.unit = "1/s", .min = 0, .max = 921'600}};
+  mauve::serial::DeviceLine line_{*this, {.baud = 115'200}};
   mauve::Parameters<Wheels> wheels{*this};
   mauve::Property<mauve::Duration> command_timeout{
       *this, "command_timeout", 500ms, "an older command counts as none", {.min = 1ms, .max = {}}};
@@ -72,9 +66,8 @@ class CreateOi final : public BaseCore {
   Counter lost_commands{*this, "lost_commands", 0, "times there was none any more"};
   Counter bad_commands{*this, "bad_commands", 0, "not a number"};
   Counter unsent{*this, "unsent", 0, "commands that found no room"};
-  Counter device_errors{*this, "device_errors", 0, "times it was not there or went away"};
-  Counter reopened{*this, "reopened", 0, "times it came, or came back"};
-  Counter received{*this, "received", 0, "bytes"};
+  rover::Silence silence{*this};
+  mauve::Warning disobeys{*this, "disobeys", "the base streams, and obeys no command"};
   mauve::Observable<int> mode{*this, "mode", 0, "0 off, 1 passive, 2 safe, 3 full"};
   mauve::Observable<int> contacts{*this, "contacts", 0,
                                   "1 right bumper, 2 left, 4 right wheel dropped, 8 left"};
@@ -82,7 +75,7 @@ class CreateOi final : public BaseCore {
   mauve::Status on_configure() override {
     const auto standing = create::drive_text(0, 0);
     line_.guard(stand, {.bytes = {standing.data(), standing.size()}, .times = 3, .apart = 20ms});
-    return line_.open(device, baud, SerialPort::Use::both);
+    return line_.open();
   }
   /// A core that has handed its state over to a successor does not stop the base under it.
   void on_cleanup() override {
@@ -91,7 +84,7 @@ class CreateOi final : public BaseCore {
   }
 
   void begin() override {
-    heard_ = mauve::job_time();
+    heard_ = begun_ = mauve::job_time();
     silent_ = false;
     state->begun = true;
     line_.send(create::begin_text());
@@ -100,7 +93,11 @@ class CreateOi final : public BaseCore {
   void work() override {
     const mauve::Instant now = mauve::job_time();
     if (heard_ == 0) heard_ = now;  // the first job after a change
-    if (read_reports(now)) publish(now);
+    if (read_reports(now)) {
+      publish(now);
+    } else {
+      silence.look("its base sends no reports that can be used");
+    }
     send_speeds(wheel_speeds(wanted(), wheels));
     silent_ = now - heard_ >= answer_timeout.get().count();
     if (silent_) ++timeouts;
@@ -109,6 +106,7 @@ class CreateOi final : public BaseCore {
 
   bool lost() override { return line_.lost(); }
   void reopen() override {
+    silence.look("its device is not there");
     if (line_.reopen()) begin();
   }
 
@@ -122,7 +120,7 @@ class CreateOi final : public BaseCore {
           any = take_report(now) || any;
           break;
         case create::ReportReader::Event::bad:
-          DeviceLine::count_damaged(bad_frames);
+          count_damaged(bad_frames);
           ++damaged_;
           break;
         case create::ReportReader::Event::none:
@@ -147,6 +145,12 @@ class CreateOi final : public BaseCore {
     if (step == WheelOdometry::Step::jump) ++jumps;
     mode = static_cast<int>(report.mode);
     contacts = report.contacts;
+    if (report.obeys()) {
+      disobeys.end("its base obeys again");
+    } else if (now - begun_ >= kUntilItObeys) {
+      disobeys.begin("its base is in mode {} and obeys no command: stop and start arms it again",
+                     mode.get());
+    }
     return step == WheelOdometry::Step::moved;
   }
 
@@ -154,6 +158,7 @@ class CreateOi final : public BaseCore {
     rover::Odometry odometry = state->wheels.odometry();
     odometry.time = mauve::to_seconds(now) - state->wheels.lag();
     shell().odometry.write(odometry);
+    silence.ended();
     shell().pose.write({odometry.x, odometry.y, odometry.heading});
     shell().twist.write({odometry.time, odometry.linear, odometry.angular});
   }
@@ -183,8 +188,10 @@ class CreateOi final : public BaseCore {
     if (!line_.send({text.data(), text.size()}) && !lost()) ++unsent;
   }
 
-  DeviceLine line_{device_errors, reopened, received};
+  static constexpr std::int64_t kUntilItObeys = 500'000'000;  // ns after it was begun
+
   mauve::Instant heard_ = 0;  // begin of the job that read the last report
+  mauve::Instant begun_ = 0;  // the base, by this core
   int damaged_ = 0;           // frames since that report
   bool followed_ = false;
   bool silent_ = false;

@@ -15,11 +15,11 @@
 #include <string_view>
 
 #include <mauve/job.h>
+#include <mauve/serial/line_thread.h>
+#include <mauve/serial/serial_port.h>
 
 #include "../../types/velocity.h"
 #include "../parts.h"
-#include "../serial/line_thread.h"
-#include "../serial/serial_port.h"
 #include "create_oi.h"
 
 namespace drivers {
@@ -48,10 +48,10 @@ class CreateBrake final : public mauve::Core<mauve::EmptyShell> {
 
   /// Opened when it is needed: resources are configured before the components that make "pty:NAME".
   mauve::Status on_configure() override {
-    port_.choose(device, 0, SerialPort::Use::both);
-    own_.choose(device, 0, SerialPort::Use::both);
+    port_.choose(device, 0, mauve::serial::SerialPort::Use::both);
+    own_.choose(device, 0, mauve::serial::SerialPort::Use::both);
     thread_.when_unsent([this] { count_failed(); });
-    return thread_.start(port_, kMostBrakeOrders, LineThread::Lost::opened_to_send);
+    return thread_.start(port_, kMostBrakeOrders, mauve::serial::LineThread::Lost::opened_to_send);
   }
   void on_cleanup() override {
     thread_.stop();
@@ -74,9 +74,9 @@ class CreateBrake final : public mauve::Core<mauve::EmptyShell> {
   }
 
   std::atomic<std::uint64_t> failures_{0};
-  SerialPort port_;    // the thread's
-  SerialPort own_;     // for threads that write themselves
-  LineThread thread_;  // ends before the port does
+  mauve::serial::SerialPort port_;    // the thread's
+  mauve::serial::SerialPort own_;     // for threads that write themselves
+  mauve::serial::LineThread thread_;  // ends before the port does
 };
 
 struct BrakeInterface : mauve::Interface<CreateBrake> {

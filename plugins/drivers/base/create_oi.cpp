@@ -85,8 +85,7 @@ ReportReader::Event ReportReader::push(char byte) {
 bool ReportReader::good() const {
   const bool ours = std::all_of(kFixed.begin(), kFixed.end(),
                                 [this](std::size_t i) { return bytes_[i] == kLayout[i]; });
-  return ours && bytes_[5] <= static_cast<std::uint8_t>(Mode::full) &&
-         checksum(std::span(bytes_).first(kFrame - 1)) == bytes_[kFrame - 1];
+  return ours && checksum(std::span(bytes_).first(kFrame - 1)) == bytes_[kFrame - 1];
 }
 
 /// Drops the first byte. True when that is to be counted: once for as many bytes as a frame has.

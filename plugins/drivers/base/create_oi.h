@@ -22,7 +22,7 @@ enum class Opcode : std::uint8_t {
   stream = 148,        ///< how many packets, then their numbers: every 15 ms
 };
 
-/// How the base takes commands.
+/// How the base takes commands. A number above these is a mode that is not known here.
 enum class Mode : std::uint8_t { off, passive, safe, full };
 
 /// Seconds between two frames of the stream.

@@ -10,10 +10,11 @@
 #include <optional>
 #include <string>
 
+#include <mauve/serial/simulated_line.h>
+
 #include "../../types/pose.h"
 #include "../../types/velocity.h"
 #include "../parts.h"
-#include "../serial/simulated_line.h"
 #include "create_oi.h"
 #include "wheels.h"
 
@@ -43,7 +44,7 @@ class CreateSim final : public mauve::Core<WheelsShell> {
 
  private:
   mauve::Stateless stateless{*this};
-  SimulatedLine line{*this, "line", "pty:base"};
+  mauve::serial::SimulatedLine line{*this, "line", "pty:base"};
   mauve::Property<mauve::Duration> step{*this,
                                         "step",
                                         std::chrono::milliseconds(15),

@@ -18,7 +18,7 @@ namespace drivers {
 struct GnssLine {
   GnssStream stream;
   GnssReader reader;
-  LineBytes bytes;
+  mauve::serial::LineBytes bytes;
 
   /// Opaque to tools; raise the revision when anything in it changes.
   static constexpr std::string_view type_name = "gnss_line/5";
@@ -43,16 +43,19 @@ class GnssSerial final : public FrameDriver<GnssCore, GnssLine> {
       case GnssReader::Event::fix:
         return publish(state->reader.fix());
       case GnssReader::Event::malformed:
+        gave_nothing("its frames are malformed");
         return count_bad();
       case GnssReader::Event::implausible:
+        gave_nothing("its epochs cannot be: a jump, or a time out of step");
         return count_implausible();
       case GnssReader::Event::ignored:
-        return;
+        return gave_nothing("its receiver sends neither GGA nor NAV-PVT");
     }
   }
 
   void publish(const rover::GnssFix& fix) {
     shell().fix.write(fix);
+    published();
     ++fixes;
     satellites = fix.satellites;
     hdop = fix.hdop;

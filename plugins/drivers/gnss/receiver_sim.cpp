@@ -6,9 +6,10 @@
 #include <string>
 #include <string_view>
 
+#include <mauve/serial/simulated_line.h>
+
 #include "../../types/gnss.h"
 #include "../parts.h"
-#include "../serial/simulated_line.h"
 #include "nmea_write.h"
 #include "ubx_pvt.h"
 
@@ -36,7 +37,7 @@ class ReceiverSim final : public mauve::Core<ReceiverShell> {
 
  private:
   mauve::Stateless stateless{*this};
-  SimulatedLine line{*this, "line", "pty:gnss"};
+  mauve::serial::SimulatedLine line{*this, "line", "pty:gnss"};
   mauve::Property<std::string> protocol{*this, "protocol", "nmea",
                                         "nmea (GGA, GSA, RMC) or ubx (NAV-PVT)"};
   mauve::Observable<std::uint64_t> epochs{*this, "epochs", 0, "sent"};

@@ -15,7 +15,7 @@ namespace drivers {
 struct ImuLine {
   XbusStream stream;
   ImuReader reader;
-  LineBytes bytes;
+  mauve::serial::LineBytes bytes;
 
   /// Opaque to tools; raise the revision when anything in it changes.
   static constexpr std::string_view type_name = "imu_line/2";
@@ -34,11 +34,13 @@ class ImuXbus final : public FrameDriver<ImuCore, ImuLine> {
       case ImuReader::Event::imu:
         return publish(state->reader.imu());
       case ImuReader::Event::malformed:
+        gave_nothing("its items are no vectors of single precision");
         return count_bad();
       case ImuReader::Event::implausible:
+        gave_nothing("its values are no numbers, or beyond the range of any unit");
         return count_implausible();
       case ImuReader::Event::ignored:
-        return;
+        return gave_nothing("its unit sends no rate of turn (item 0x8020 of MTData2)");
     }
   }
 
@@ -46,6 +48,7 @@ class ImuXbus final : public FrameDriver<ImuCore, ImuLine> {
     imu.has_heading = imu.has_heading && compass;
     if (!imu.has_heading) imu.heading = 0.0;
     shell().imu.write(imu);
+    published();
     ++measurements;
   }
 };

@@ -6,9 +6,10 @@
 #include <string>
 #include <string_view>
 
+#include <mauve/serial/simulated_line.h>
+
 #include "../../types/imu.h"
 #include "../parts.h"
-#include "../serial/simulated_line.h"
 #include "xbus_imu.h"
 
 namespace drivers {
@@ -30,7 +31,7 @@ class ImuSim final : public mauve::Core<ImuSimShell> {
 
  private:
   mauve::Stateless stateless{*this};
-  SimulatedLine line{*this, "line", "pty:imu"};
+  mauve::serial::SimulatedLine line{*this, "line", "pty:imu"};
   mauve::Observable<std::uint64_t> sent{*this, "sent", 0, "measurements"};
   mauve::Observable<std::uint64_t> lost{*this, "lost", 0, "not sent: nobody reads the line"};
 

@@ -18,6 +18,7 @@ constexpr std::uint16_t kEuler = 0x2030;
 constexpr std::uint16_t kAcceleration = 0x4020;
 constexpr std::uint16_t kRateOfTurn = 0x8020;
 constexpr std::uint16_t kStatus = 0xe020;
+constexpr std::uint16_t kStatusByte = 0xe010;  // the lowest byte of that word
 constexpr std::uint32_t kFilterValid = 0x02;
 constexpr float kDegrees = static_cast<float>(std::numbers::pi / 180.0);
 
@@ -70,9 +71,12 @@ struct ImuReader::Sample {
   void item(std::uint16_t id, Bytes data) {
     const bool vector = id == kRateOfTurn || id == kAcceleration || id == kEuler;
     const bool scalar = id == kSampleTime || id == kStatus;
-    if (!vector && !scalar) return;
-    if (data.size() != (vector ? 12U : 4U)) {
+    const bool byte = id == kStatusByte;
+    if (!vector && !scalar && !byte) return;
+    if (data.size() != (vector ? 12U : byte ? 1U : 4U)) {
       sizes = false;
+    } else if (byte) {
+      oriented = (data[0] & kFilterValid) != 0;
     } else if (vector) {
       vector_item(id, float_at(data, 0), float_at(data, 4), float_at(data, 8));
     } else if (id == kStatus) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// MTData2, one measurement of an Xsens MTi, as imu/1 and back. Source: as xbus_frame.h, chapter
 /// "MTData2". Understood are single-precision values in the frame "ENU" (x forward, z up): rate of
-/// turn 0x8020, acceleration 0x4020, Euler angles 0x2030; and sample time 0x1060, status 0xE020.
+/// turn 0x8020, acceleration 0x4020, Euler angles 0x2030; and sample time 0x1060, status 0xE020 or
+/// 0xE010.
 #pragma once
 
 #include <array>

@@ -19,9 +19,12 @@
 #include <string_view>
 
 #include <mauve/job.h>
+#include <mauve/serial/device_line.h>
 
+#include "../../types/reporting.h"
+#include "../../types/silence.h"
 #include "../parts.h"
-#include "../serial/device_line.h"
+#include "../serial/damaged.h"
 #include "laser_driver.h"
 #include "scip.h"
 
@@ -30,7 +33,7 @@ namespace drivers {
 /// The state that survives a change: unused bytes, the reply begun, and the number of answered
 /// requests.
 struct ScannerLine {
-  LineBytes bytes;
+  mauve::serial::LineBytes bytes;
   scip::ReplyReader replies;
   scip::Limits limits;
   std::uint32_t asked = 0;  // requests answered so far
@@ -49,34 +52,22 @@ constexpr std::uint32_t kScans = 3;
 
 class HokuyoScip final : public LaserCore {
   mauve::State<ScannerLine> state{*this};
-  mauve::Property<std::string> device{*this,
-                                      "device",
-                                      "/dev/ttyACM0",
-                                      "serial device, or pty:NAME of a simulated scanner",
-                                      {.within = "/dev/ pty:"}};
-  mauve::Property<int> baud{*this,
-                            "baud",
-                            0,
-                            "speed of the line; 0 leaves it alone, as for USB",
-                            {.unit = "1/s", .min = 0, .max = 921'600}};
+  mauve::serial::DeviceLine line_{*this, {.device = "/dev/ttyACM0"}};
   mauve::Property<int> characters{
       *this, "characters", 3, "of a range: 3, or 2 up to 4 m on a slow line", {.min = 2, .max = 3}};
   mauve::Property<mauve::Duration> answer_timeout{
       *this, "answer_timeout", 500ms, "silent for so long: ask again", {.min = 1ms, .max = {}}};
   mauve::Property<int> scans_per_job{
       *this, "scans_per_job", 8, "keeps one job short", {.min = 1, .max = 1000}};
+  rover::Silence silence{*this};
   mauve::Observable<std::uint64_t> scans{*this, "scans", 0, "published"};
   mauve::Observable<std::uint64_t> empty_scans{*this, "empty_scans", 0, "all of them error codes"};
   mauve::Observable<std::uint64_t> bad_frames{*this, "bad_frames", 0, "damaged replies, skipped"};
   mauve::Observable<std::uint64_t> timeouts{*this, "timeouts", 0, "times it fell silent"};
   mauve::Observable<std::uint64_t> refused{*this, "refused", 0, "requests it did not grant"};
-  mauve::Observable<std::uint64_t> device_errors{*this, "device_errors", 0,
-                                                 "times it was not there or went away"};
-  mauve::Observable<std::uint64_t> reopened{*this, "reopened", 0, "times it came, or came back"};
-  mauve::Observable<std::uint64_t> received{*this, "received", 0, "bytes"};
   mauve::Observable<bool> empty{*this, "empty", false, "the last scan was one of error codes"};
 
-  mauve::Status on_configure() override { return line_.open(device, baud, SerialPort::Use::both); }
+  mauve::Status on_configure() override { return line_.open(); }
   void on_cleanup() override { line_.close(state->bytes); }
 
   void ask() override {
@@ -130,6 +121,7 @@ class HokuyoScip final : public LaserCore {
 
   bool lost() override { return line_.lost(); }
   void reopen() override {
+    silence.look("its device is not there");
     if (line_.reopen()) state->asked = 0;
   }
 
@@ -140,7 +132,7 @@ class HokuyoScip final : public LaserCore {
     char byte = 0;
     while (line_.take(state->bytes, byte)) {
       event_ = state->replies.push(byte);
-      if (event_ == Event::bad) DeviceLine::count_damaged(bad_frames);
+      if (event_ == Event::bad) count_damaged(bad_frames);
       if (event_ != Event::none) return event_;
     }
     return event_ = Event::none;
@@ -159,6 +151,7 @@ class HokuyoScip final : public LaserCore {
     const bool usable = state->asked != kLimits || state->replies.limits().usable();
     if (!granted || !usable) {
       ++refused;
+      report_refusal(status);
       state->asked = 0;
       failed_ = true;
       return;
@@ -169,9 +162,27 @@ class HokuyoScip final : public LaserCore {
     waiting_since_ = mauve::job_time();
   }
 
+  /// "00" grants a request, "02" finds it granted before, "99" is that of a scan.
+  static bool is_error(std::string_view status) {
+    return status != "00" && status != "02" && status != "99";
+  }
+
+  /// Two characters, of SCIP 2.0 digits. Once, until it sends a scan again.
+  void report_refusal(std::string_view status) {
+    const auto digit = [&](std::size_t at) { return at < status.size() ? status[at] - '0' : 0; };
+    const int number = 10 * digit(0) + digit(1);
+    silence.look("its scanner refuses to measure: status {}", number);
+    if (refusal_.changed(false)) {
+      mauve::log(mauve::LogLevel::warning, "its scanner answers a request with status {}", number);
+    }
+  }
+
   /// Reads on to the end of the next undamaged scan; false when it is not there yet.
   bool pull_scan() {
     while (next() != Event::none) {
+      if (event_ == Event::reply && is_error(state->replies.status())) {
+        report_refusal(state->replies.status());
+      }
       if (event_ != Event::scan) continue;
       waiting_since_ = mauve::job_time();
       failed_ = false;
@@ -185,6 +196,8 @@ class HokuyoScip final : public LaserCore {
     empty = scip::blind(state->limits, replies.values());
     if (empty) ++empty_scans;
     sees_.report(!empty, "its scanner sees again", "its scanner sees nothing but error codes");
+    silence.ended();
+    static_cast<void>(refusal_.changed(true));
     shell().scan.fill([&](rover::LaserScan& scan) {
       scan.time = mauve::to_seconds(mauve::job_time());
       scip::show(replies.request(), state->limits, replies.values(), scan);
@@ -194,6 +207,11 @@ class HokuyoScip final : public LaserCore {
 
   void close_when_silent() {
     const mauve::Instant now = mauve::job_time();
+    if (state->asked == kScans) {
+      silence.look("its scanner answers, and sends no undamaged scan");
+    } else if (refusal_.is_good()) {
+      silence.look("its scanner does not answer");
+    }
     if (waiting_since_ == 0) waiting_since_ = now;  // the first job after a change
     if (answered_ || failed_ || !silent(now)) return;
     ++timeouts;
@@ -205,8 +223,8 @@ class HokuyoScip final : public LaserCore {
     return now - waiting_since_ >= answer_timeout.get().count();
   }
 
-  DeviceLine line_{device_errors, reopened, received};
   rover::Condition sees_{true};
+  rover::Condition refusal_{true};
   Event event_ = Event::none;
   mauve::Instant waiting_since_ = 0;
   bool answered_ = false;

@@ -11,9 +11,9 @@
 #include <utility>
 
 #include <mauve/job.h>
+#include <mauve/serial/simulated_line.h>
 
 #include "../parts.h"
-#include "../serial/simulated_line.h"
 #include "scip_write.h"
 
 namespace drivers {
@@ -34,7 +34,7 @@ class HokuyoSim final : public mauve::Core<ScannerShell> {
 
  private:
   mauve::Stateless stateless{*this};
-  SimulatedLine line{*this, "line", "pty:laser"};
+  mauve::serial::SimulatedLine line{*this, "line", "pty:laser"};
   mauve::Property<int> turns{*this,
                              "turns",
                              2400,

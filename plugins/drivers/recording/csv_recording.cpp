@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "csv_recording.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -93,7 +94,7 @@ class CsvReader {
   }
 
   mauve::Status read_row(const std::vector<std::string>& cells, std::size_t line,
-                         std::vector<CsvRow>& rows) const {
+                         CsvRecording& recording) const {
     if (cells.size() != width_) return wrong(line, "has another number of cells than the header");
     Value::Object object;
     for (const Column& column : columns_) {
@@ -103,11 +104,13 @@ class CsvReader {
       if (!value) return wrong(line, "has a list that cannot be read");
       put(object, column.leaf->path, 0, *std::move(value));
     }
-    if (is_empty(cells)) return mauve::ok();
     const auto seconds = value_of_cell(cells[0]);
     const auto* time = seconds ? seconds->get_if<double>() : nullptr;
     if (time == nullptr || std::abs(*time) > 9e9) return wrong(line, "has no time");
-    rows.push_back({std::llround(*time * 1e9), line, std::move(object)});
+    const std::int64_t at = std::llround(*time * 1e9);
+    recording.first = line == 2 ? at : std::min(recording.first, at);
+    recording.last = line == 2 ? at : std::max(recording.last, at);
+    if (!is_empty(cells)) recording.rows.push_back({at, line, std::move(object)});
     return mauve::ok();
   }
 
@@ -149,19 +152,20 @@ class CsvReader {
 
 }  // namespace
 
-Result<std::vector<CsvRow>> read_csv(std::string_view text, const mauve::DataType& type,
-                                     const std::string& address, const std::string& name) {
+Result<CsvRecording> read_csv(std::string_view text, const mauve::DataType& type,
+                              const std::string& address, const std::string& name) {
   CsvReader reader(type, address, name);
-  std::vector<CsvRow> rows;
+  CsvRecording recording;
   for (std::size_t next = 0; !text.empty();) {
     const std::size_t line = next + 1;
     const auto cells = take_row(text, next);
     if (!cells) return reader.wrong(line, "has a quote that is not closed");
-    const auto done = line == 1 ? reader.read_header(*cells) : reader.read_row(*cells, line, rows);
+    const auto done =
+        line == 1 ? reader.read_header(*cells) : reader.read_row(*cells, line, recording);
     if (!done) return done.error();
   }
-  if (rows.empty()) return reader.wrong(1, "has no value of this address");
-  return rows;
+  if (recording.rows.empty()) return reader.wrong(1, "has no value of this address");
+  return recording;
 }
 
 }  // namespace drivers

@@ -45,16 +45,19 @@ concept Stamped = requires(T value) {
 }
 &&!std::is_same_v<T, rover::GnssFix>;
 
-/// [rt] A value is written by the first job at or after its time.
+/// [rt] A value is written by the first job at or after its time. The clock of the recording begins
+/// with the earliest row of the file and ends with its latest one, whatever address they are of. So
+/// players of one file that start together stay in step.
 template <typename T>
 class Playback final : public mauve::Core<PlaybackShell<T>> {
  public:
   void update() {
     advance();
     for (std::size_t i = 0; i < kMostAtOnce; ++i) {
-      if (state->next >= values_.size() && repeat) begin_again();
-      finished = state->next >= values_.size();
-      if (finished || (speed > 0.0 && times_[state->next] > state->at)) return;
+      if (state->next >= values_.size() && repeat && is_over()) begin_again();
+      const bool all_played = state->next >= values_.size();
+      finished = all_played && !repeat;
+      if (all_played || (speed > 0.0 && times_[state->next] > state->at)) return;
       write(state->next++);
       if (speed == 0.0) return;
     }
@@ -84,7 +87,7 @@ class Playback final : public mauve::Core<PlaybackShell<T>> {
   void advance() {
     const mauve::Instant now = mauve::job_time();
     if (state->last == 0) {
-      state->at = times_.front();
+      state->at = first_;
     } else {
       const auto passed = static_cast<double>(now - state->last);
       state->at += speed == 1.0 ? now - state->last : std::llround(passed * speed);
@@ -92,9 +95,12 @@ class Playback final : public mauve::Core<PlaybackShell<T>> {
     state->last = now;
   }
 
+  [[nodiscard]] bool is_over() const { return speed == 0.0 || state->at >= last_; }
+
+  /// The time that has passed beyond the end counts: no player waits for its own job.
   void begin_again() {
     state->next = 0;
-    state->at = times_.front();
+    state->at = speed == 0.0 ? first_ : state->at - (last_ - first_);
   }
 
   void write(std::size_t row) {
@@ -115,9 +121,11 @@ class Playback final : public mauve::Core<PlaybackShell<T>> {
     const auto text = navigation::read_regular_file(recording, kLongest, "recording");
     if (!text) return text.error();
     const auto& type = mauve::data_type<T>();
-    auto rows = read_csv(*text, type, address, recording);
-    if (!rows) return rows.error();
-    for (const CsvRow& row : *rows) {
+    auto file = read_csv(*text, type, address, recording);
+    if (!file) return file.error();
+    first_ = file->first;
+    last_ = file->last;
+    for (const CsvRow& row : file->rows) {
       values_.emplace_back();
       if (mauve::Status done = type.from_value(row.value, &values_.back()); !done) {
         return mauve::refuse(done.error().code, {},
@@ -142,6 +150,8 @@ class Playback final : public mauve::Core<PlaybackShell<T>> {
 
   std::vector<T> values_;
   std::vector<std::int64_t> times_;
+  std::int64_t first_ = 0;  // ns, of the file
+  std::int64_t last_ = 0;
   double offset_ = 0.0;  // s, of the stamps in the values from the times of the rows
 };
 

@@ -4,12 +4,14 @@
 #pragma once
 
 #include <mauve/plugin.h>
+#include <mauve/serial/device_line.h>
 
 #include <cstdint>
 #include <string>
 
 #include "../../types/reporting.h"
-#include "device_line.h"
+#include "../../types/silence.h"
+#include "damaged.h"
 
 namespace drivers {
 
@@ -74,7 +76,18 @@ class FrameDriver : public CoreT {
 
   /// Uses the frame that the stream just found. [rt]
   virtual void use(Found found) = 0;
-  void count_bad() { DeviceLine::count_damaged(bad_frames); }
+  /// A value of a frame was published. [rt]
+  void published() {
+    silence_.ended();
+    frames_before_ = good_frames;
+    bytes_before_ = line_.received;
+  }
+  /// The frame has no value to publish, for this reason: a literal. [rt]
+  template <std::size_t N>
+  void gave_nothing(const char (&reason)[N]) {
+    silence_.look(reason);
+  }
+  void count_bad() { count_damaged(bad_frames); }
   /// Counts an undamaged frame whose values cannot be, which is skipped.
   void count_implausible() {
     if (rover::worth_reporting(++implausible)) {
@@ -86,16 +99,10 @@ class FrameDriver : public CoreT {
   mauve::State<Line> state{*this};
 
  private:
-  mauve::Property<std::string> device{*this,
-                                      "device",
-                                      CoreT::kDevice,
-                                      "serial device, or pty:NAME of a simulated one",
-                                      {.within = "/dev/ pty:"}};
-  mauve::Property<int> baud{*this,
-                            "baud",
-                            CoreT::kBaud,
-                            "speed of the line; 0 leaves it alone",
-                            {.unit = "1/s", .min = 0, .max = 921'600}};
+  mauve::serial::DeviceLine line_{*this,
+                                  {.device = CoreT::kDevice,
+                                   .baud = CoreT::kBaud,
+                                   .use = mauve::serial::SerialPort::Use::reading}};
   mauve::Property<int> frames_per_job{
       *this, "frames_per_job", 64, "keeps one job short", {.min = 1, .max = 100'000}};
   mauve::Property<mauve::Duration> half_frame{
@@ -105,17 +112,12 @@ class FrameDriver : public CoreT {
   mauve::Observable<std::uint64_t> bad_frames{*this, "bad_frames", 0, "damaged ones, skipped"};
   mauve::Observable<std::uint64_t> implausible{*this, "implausible", 0,
                                                "undamaged, with values that cannot be, skipped"};
-  mauve::Observable<std::uint64_t> device_errors{*this, "device_errors", 0,
-                                                 "times it was not there or went away"};
-  mauve::Observable<std::uint64_t> reopened{*this, "reopened", 0, "times it came, or came back"};
-  mauve::Observable<std::uint64_t> received{*this, "received", 0, "bytes"};
 
-  mauve::Status on_configure() override {
-    return line_.open(device, baud, SerialPort::Use::reading);
-  }
+  mauve::Status on_configure() override { return line_.open(); }
   void on_cleanup() override { line_.close(state->bytes); }
 
   void find_sync() override {
+    look_for_silence();
     do {
       look();
     } while (!synced() && take_byte());
@@ -141,7 +143,16 @@ class FrameDriver : public CoreT {
 
   bool lost() override { return line_.lost(); }
   void reopen() override {
+    silence_.look("its device is not there");
     if (line_.reopen()) state->stream.drop_begun();
+  }
+
+  /// Why nothing was published, as far as no frame tells it.
+  void look_for_silence() {
+    if (line_.received == bytes_before_) return silence_.look("its device sends nothing");
+    if (good_frames == frames_before_) {
+      silence_.look("its device sends bytes, and no undamaged frame: look at `baud`");
+    }
   }
 
   /// Reads on to the end of the next undamaged frame; false when it is not there yet.
@@ -173,10 +184,12 @@ class FrameDriver : public CoreT {
     return took;
   }
 
-  DeviceLine line_{device_errors, reopened, received};
+  rover::Silence silence_{*this};
   Found found_{};
   bool complete_ = false;  // found_ is a frame that was not used yet
   bool more_ = false;
+  std::uint64_t frames_before_ = 0;  // when a value was published last
+  std::uint64_t bytes_before_ = 0;
 };
 
 }  // namespace drivers

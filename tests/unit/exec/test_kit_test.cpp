@@ -119,5 +119,67 @@ TEST(ComponentBench, RunsTheStateMachineOnSimulatedTime) {
   EXPECT_EQ(bench.status().missed, 0u);
 }
 
+/// Adds up what it reads, in a state or beside it.
+template <bool kInState>
+class AddingUp final : public Core<FollowShell> {
+ public:
+  void update() {
+    double& sum = kInState ? *state : beside_;
+    sum += shell().target.read();
+    shell().command.write(sum);
+    ++jobs;
+  }
+  State<double> state{*this};
+  Observable<int> jobs{*this, "jobs", 0, "so far"};
+
+ private:
+  double beside_ = 0.0;
+};
+template <bool kInState>
+using AddingBench =
+    ComponentBench<FollowShell, AddingUp<kInState>, PeriodicFsm<AddingUp<kInState>>>;
+
+template <bool kInState>
+std::string difference() {
+  using Bench = AddingBench<kInState>;
+  return difference_when_renewed<Bench>(
+      5, [](Bench& bench) { ASSERT_TRUE(bench.deploy()); },
+      [](Bench& bench, int step) {
+        bench.ports().give(bench.shell().target, 1.0 + step);
+        bench.run_for(10ms);
+      });
+}
+
+TEST(ComponentBench, FindsNoDifferenceWhereAllThatOutputsAreMadeOfIsInTheState) {
+  EXPECT_EQ(difference<true>(), "");
+}
+
+TEST(ComponentBench, NamesTheOutputThatASwapOfTheCoreWithItselfChanges) {
+  EXPECT_EQ(difference<false>(),
+            "ports.command is 3 in step 1, and 2 after a swap of the core with itself: keep what "
+            "it is made of in the mauve::State");
+}
+
+TEST(ComponentBench, HasTheWrittenValuesAndTheObservablesAsOutputs) {
+  AddingBench<true> bench;
+  ASSERT_TRUE(bench.deploy());
+  EXPECT_EQ(bench.outputs(), (BenchOutputs{{"ports.command", "not written"}, {"core.jobs", "0"}}));
+  bench.ports().give(bench.shell().target, 1.5);
+  bench.run_for(10ms);
+  EXPECT_EQ(bench.outputs(), (BenchOutputs{{"ports.command", "1.5"}, {"core.jobs", "1"}}));
+}
+
+TEST(ComponentBench, RenewsTheCoreWithItsValues) {
+  ComponentBench<FollowShell, Follow, PeriodicFsm<Follow>> bench;
+  bench.core().gain = 0.25;
+  ASSERT_TRUE(bench.deploy());
+  const Follow* const before = &bench.core();
+
+  ASSERT_TRUE(bench.renew());
+
+  EXPECT_NE(&bench.core(), before);
+  EXPECT_EQ(bench.core().gain, 0.25);
+}
+
 }  // namespace
 }  // namespace mauve

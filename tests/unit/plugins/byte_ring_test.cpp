@@ -6,11 +6,11 @@
 #include <thread>
 #include <type_traits>
 
-#include "../../../plugins/drivers/serial/byte_ring.h"
+#include <mauve/serial/byte_ring.h>
 
 namespace {
 
-using drivers::ByteRing;
+using mauve::serial::ByteRing;
 static_assert(std::is_trivially_copyable_v<ByteRing<16>>, "part of states");
 
 template <std::size_t kSize>

@@ -101,6 +101,15 @@ TEST(CreateStream, CountsGarbageByTheLengthOfAFrame) {
   EXPECT_EQ(heard.bad, 100);
 }
 
+TEST(CreateStream, CallsNoFrameDamagedWhoseModeIsNotKnown) {
+  for (int mode = 0; mode < 256; ++mode) {
+    const Heard heard = hear(text({0, static_cast<drivers::create::Mode>(mode), 1000, 2000}));
+    ASSERT_EQ(heard.reports.size(), 1U) << mode;
+    EXPECT_EQ(heard.bad, 0);
+    EXPECT_EQ(heard.reports[0].obeys(), mode == 2 || mode == 3);
+  }
+}
+
 TEST(CreateStream, NeverUsesAFrameInWhichAnyBitFlipped) {
   world::Random random(3);
   for (int round = 0; round < 50; ++round) {

@@ -22,7 +22,7 @@ std::vector<T> read_all(const std::string& text, const std::string& address = {}
   const auto rows = drivers::read_csv(text, mauve::data_type<T>(), address, "file");
   EXPECT_TRUE(rows) << mauve::to_string(rows.error());
   std::vector<T> values;
-  for (const auto& row : *rows) {
+  for (const auto& row : rows->rows) {
     values.emplace_back();
     EXPECT_TRUE(mauve::data_type<T>().from_value(row.value, &values.back()));
   }
@@ -73,10 +73,10 @@ TEST(CsvRecording, ReadsTheRowsOfOneAddressAndLeavesGapsOut) {
 
   const auto rows = drivers::read_csv(text, mauve::data_type<rover::Point2D>(), "a.read", "file");
   ASSERT_TRUE(rows);
-  ASSERT_EQ(rows->size(), 2U);
-  EXPECT_EQ((*rows)[0].time, 1'000'000'000);
-  EXPECT_EQ((*rows)[1].time, 2'000'000'001);
-  EXPECT_EQ((*rows)[1].line, 5U);
+  ASSERT_EQ(rows->rows.size(), 2U);
+  EXPECT_EQ(rows->rows[0].time, 1'000'000'000);
+  EXPECT_EQ(rows->rows[1].time, 2'000'000'001);
+  EXPECT_EQ(rows->rows[1].line, 5U);
   const auto values = read_all<rover::Point2D>(text, "a.read");
   EXPECT_EQ(values[0].x, 0.1);
   EXPECT_TRUE(std::isnan(values[1].x));

@@ -99,14 +99,19 @@ TEST_F(EventReading, EndsWellOnAbsurdRangesAndValues) {
 
 TEST_F(EventReading, LetsGoWhenTheKernelDroppedEvents) {
   push(InputEvents().axis(ABS_Y, -32767).key(BTN_SOUTH, 1).report());
-  push(InputEvents().dropped().axis(ABS_Y, -20000));
-  EXPECT_FALSE(reader_.take_dropped());
+  EXPECT_TRUE(reader_.holds());
 
-  EXPECT_EQ(push(InputEvents().report()), 1U);
-  EXPECT_TRUE(reader_.take_dropped());
+  EXPECT_EQ(push(InputEvents().dropped().axis(ABS_Y, -20000)), 1U);
+  EXPECT_TRUE(reader_.take_dropped()) << "at once: nothing may follow";
   EXPECT_FALSE(reader_.take_dropped());
+  EXPECT_FALSE(reader_.holds());
   EXPECT_FLOAT_EQ(axis(1), 0.0F);
   EXPECT_EQ(reader_.shown().buttons, 0);
+
+  EXPECT_EQ(push(InputEvents().report()), 0U) << "the rest of what was dropped";
+  EXPECT_FALSE(reader_.holds());
+  EXPECT_EQ(push(InputEvents().axis(ABS_Y, -32767).report()), 1U);
+  EXPECT_TRUE(reader_.holds());
 }
 
 class InputDevices : public testing::Test {
@@ -180,7 +185,7 @@ TEST_F(InputDevices, HandsOnWholeEventsAndNoneThatOnlyItselfMaySay) {
 }
 
 TEST_F(InputDevices, LosesATerminalThatHangsUp) {
-  drivers::PseudoTerminal line;
+  mauve::serial::PseudoTerminal line;
   ASSERT_TRUE(line.open(""));
   choose(line.device());
   ASSERT_TRUE(opened_);

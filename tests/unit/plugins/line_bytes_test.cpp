@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "../../../plugins/drivers/serial/line_bytes.h"
+#include <mauve/serial/line_bytes.h>
 
 #include <cstdint>
 
@@ -8,8 +8,8 @@
 namespace mauve::test {
 namespace {
 
-using drivers::LineBytes;
-using drivers::LineFiller;
+using mauve::serial::LineBytes;
+using mauve::serial::LineFiller;
 
 TEST(LineFiller, FillsWhatItsComponentOffersUntilAnotherIsWanted) {
   LineBytes bytes;

@@ -9,15 +9,16 @@
 #include <filesystem>
 #include <string>
 
-#include "../../../plugins/drivers/serial/line_thread.h"
+#include <mauve/serial/line_thread.h>
+
 #include "support/eventually.h"
 
 namespace mauve::test {
 
-using drivers::LineBytes;
-using drivers::LineThread;
-using drivers::PseudoTerminal;
-using drivers::SerialPort;
+using mauve::serial::LineBytes;
+using mauve::serial::LineThread;
+using mauve::serial::PseudoTerminal;
+using mauve::serial::SerialPort;
 
 namespace fs = std::filesystem;
 

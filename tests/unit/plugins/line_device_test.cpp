@@ -34,7 +34,7 @@ TEST_F(Line, TheCoreThatRanLastIsTheOnlyOneThatReads) {
 }
 
 speed_t speed_of(const std::string& device) {
-  const drivers::Descriptor opened(::open(device.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
+  const mauve::serial::Descriptor opened(::open(device.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
   termios settings{};
   EXPECT_EQ(tcgetattr(opened.number(), &settings), 0);
   return cfgetospeed(&settings);
@@ -119,7 +119,7 @@ TEST(LineLost, IsOpenedWhenSomethingIsSentWhereThatIsWanted) {
 }
 
 /// A device that fails in the middle of the first request, and comes back.
-class HalfHearing final : public drivers::LineEnd {
+class HalfHearing final : public mauve::serial::LineEnd {
  public:
   [[nodiscard]] int number() const override { return open_ ? always_.number() : -1; }
   [[nodiscard]] std::ptrdiff_t read(std::span<char>) override { return 0; }
@@ -138,7 +138,7 @@ class HalfHearing final : public drivers::LineEnd {
   [[nodiscard]] const std::string& heard() const { return heard_; }
 
  private:
-  drivers::Descriptor always_{::eventfd(0, EFD_CLOEXEC)};
+  mauve::serial::Descriptor always_{::eventfd(0, EFD_CLOEXEC)};
   mutable std::string heard_;
   bool failing_ = true;
   bool open_ = true;

@@ -207,7 +207,7 @@ TEST_F(Line, NeverSendsWhatWaitedWhenAnOrderCame) {
 }
 
 /// Writes only when it may.
-class Gated final : public drivers::LineEnd {
+class Gated final : public mauve::serial::LineEnd {
  public:
   Gated() : bell_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
   [[nodiscard]] int number() const override { return bell_.number(); }
@@ -231,7 +231,7 @@ class Gated final : public drivers::LineEnd {
   std::atomic<bool> may{false};
 
  private:
-  drivers::Descriptor bell_;
+  mauve::serial::Descriptor bell_;
   mutable std::mutex mutex_;
   mutable std::string written_;
 };

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 
 #include "../../../plugins/drivers/recording/playback.h"
 #include "../../../plugins/types/motion.h"
@@ -58,6 +59,57 @@ class Playing : public testing::Test {
   mauve::test::TempDir place_;
   mauve::CoreBench<Shell, Core> bench_;
 };
+
+/// Two addresses: one begins 6 s after the other one, and ends 2 s before it.
+constexpr const char* kTwo =
+    "time_s,pose.read.x,pose.read.y,pose.read.heading,goal.read.x,goal.read.y\n"
+    "10.0,1.0,0.0,0.0,,\n"
+    "12.0,2.0,0.0,0.0,,\n"
+    "16.0,,,,77.0,0.0\n"
+    "18.0,,,,88.0,0.0\n"
+    "20.0,3.0,0.0,0.0,,\n";
+
+template <typename T>
+class PlayerOf {
+ public:
+  PlayerOf(const mauve::test::TempDir& place, const char* address) {
+    const auto set = [&](const char* name, const Value& value) {
+      EXPECT_TRUE(bench_.core().find_property(name)->set(value)) << name;
+    };
+    set("recording", Value(place.write("two.csv", kTwo).string()));
+    set("address", Value(address));
+    set("repeat", Value(true));
+    EXPECT_TRUE(bench_.configure());
+  }
+  double x_after(mauve::Duration later) {
+    bench_.advance(later);
+    bench_.core().update();
+    const auto value = bench_.written(bench_.shell().out);
+    return value ? value->x : 0.0;
+  }
+
+ private:
+  mauve::CoreBench<drivers::PlaybackShell<T>, drivers::Playback<T>> bench_;
+};
+
+/// Values that were recorded together are played together, also when they are repeated.
+TEST(PlayersOfOneFile, HaveOneClock) {
+  mauve::test::TempDir place;
+  PlayerOf<rover::Pose2D> pose(place, "pose.read");
+  PlayerOf<rover::Point2D> goal(place, "goal.read");
+  const auto after = [&](mauve::Duration later) {
+    return std::pair(pose.x_after(later), goal.x_after(later));
+  };
+
+  EXPECT_EQ(after(0s), std::pair(1.0, 0.0));
+  EXPECT_EQ(after(5999ms), std::pair(2.0, 0.0));
+  EXPECT_EQ(after(1ms), std::pair(2.0, 77.0));
+  EXPECT_EQ(after(2s), std::pair(2.0, 88.0));
+  EXPECT_EQ(after(1999ms), std::pair(2.0, 88.0));
+  EXPECT_EQ(after(1ms).first, 1.0) << "at its end the file begins again, for all";
+  EXPECT_EQ(after(5999ms), std::pair(2.0, 88.0));
+  EXPECT_EQ(after(1ms), std::pair(2.0, 77.0));
+}
 
 TEST_F(Playing, WritesEachValueInTheFirstJobAtOrAfterItsTime) {
   begin(1.0);

@@ -11,12 +11,14 @@
 #include <string>
 #include <thread>
 
-#include "../../../plugins/drivers/serial/serial_port.h"
+#include <mauve/serial/serial_port.h>
+
+#include "support/temp_dir.h"
 
 namespace {
 
-using drivers::PseudoTerminal;
-using drivers::SerialPort;
+using mauve::serial::PseudoTerminal;
+using mauve::serial::SerialPort;
 
 namespace fs = std::filesystem;
 
@@ -186,7 +188,7 @@ TEST(SerialPort, NoticesThatItsDeviceIsGoneAndOpensItAgain) {
 }
 
 TEST(SerialPort, FindsTheLineOfItsOwnProcessByName) {
-  const std::string path = drivers::line_path("pty:test");
+  const std::string path = mauve::serial::line_path("pty:test");
   PseudoTerminal line;
   SerialPort port;
 
@@ -195,7 +197,7 @@ TEST(SerialPort, FindsTheLineOfItsOwnProcessByName) {
   EXPECT_NE(path.find(std::to_string(getpid())), std::string::npos)
       << "two processes never collide";
   EXPECT_TRUE(port.open("pty:test", 9600));
-  EXPECT_EQ(drivers::line_path("/dev/ttyACM0"), "/dev/ttyACM0");
+  EXPECT_EQ(mauve::serial::line_path("/dev/ttyACM0"), "/dev/ttyACM0");
 }
 
 /// The rest of line_path("pty:test") after the number of the process.
@@ -208,7 +210,7 @@ TEST(SerialPort, NamesItsOwnLineAfterTheStartOfItsProcessSinceNumbersAreUsedAgai
 
   const pid_t child = fork();
   if (child == 0) {
-    const std::string path = drivers::line_path("pty:test");
+    const std::string path = mauve::serial::line_path("pty:test");
     _exit(::write(ends[1], path.data(), path.size()) > 0 ? 0 : 1);
   }
   std::array<char, 256> said{};
@@ -219,8 +221,8 @@ TEST(SerialPort, NamesItsOwnLineAfterTheStartOfItsProcessSinceNumbersAreUsedAgai
 
   ASSERT_GT(length, 0);
   const std::string of_child(said.data(), static_cast<std::size_t>(length));
-  EXPECT_NE(start_in(of_child), start_in(drivers::line_path("pty:test")));
-  EXPECT_EQ(drivers::line_path("pty:test"), drivers::line_path("pty:test"));
+  EXPECT_NE(start_in(of_child), start_in(mauve::serial::line_path("pty:test")));
+  EXPECT_EQ(mauve::serial::line_path("pty:test"), mauve::serial::line_path("pty:test"));
 }
 
 TEST(SerialPort, SaysWhyADeviceCannotBeOpened) {
@@ -290,6 +292,32 @@ TEST(PseudoTerminal, SaysThatAPathIsInUseByAnother) {
   EXPECT_TRUE(fs::is_symlink(link));
   fs::remove(link);
   fs::remove(device);
+}
+
+/// As after `kill -9` of mauved, whose directory the service keeps.
+TEST(PseudoTerminal, RemovesTheLinksOfProcessesThatAreNoMore) {
+  const mauve::test::TempDir place;
+  setenv("RUNTIME_DIRECTORY", place.path().c_str(), 1);
+  const auto link = [&](const std::string& name) {
+    fs::create_symlink("/dev/pts/none", place / name);
+    return place / name;
+  };
+  const auto killed = link("mauve-gnss.999999999-1");
+  const auto reused = link("mauve-gnss." + std::to_string(getppid()) + "-1");
+  const auto no_line = link("mauve-gnss.of-mine");
+  const auto other = link("gnss.999999999-1");
+  PseudoTerminal line;
+  ASSERT_TRUE(line.open("pty:gnss"));
+
+  EXPECT_FALSE(fs::is_symlink(killed));
+  EXPECT_FALSE(fs::is_symlink(reused)) << "another process had this number";
+  EXPECT_TRUE(fs::is_symlink(no_line));
+  EXPECT_TRUE(fs::is_symlink(other));
+
+  PseudoTerminal second;
+  ASSERT_TRUE(second.open("pty:imu"));
+  EXPECT_TRUE(fs::is_symlink(mauve::serial::line_path("pty:gnss"))) << "this process lives";
+  unsetenv("RUNTIME_DIRECTORY");
 }
 
 TEST(PseudoTerminal, ReplacesALinkThatLeadsNowhere) {

@@ -236,6 +236,24 @@ TEST(XbusImu, CallsLengthsThatCannotBeMalformed) {
   EXPECT_EQ(line.malformed, 4);
 }
 
+/// Bit 1 of the status, which newer units send as a byte.
+TEST(XbusImu, LetsNoHeadingThroughWhileTheFilterSaysThatItIsInvalid) {
+  const Frame measured = hex("20 30 0C 00 00 00 00 00 00 00 00 42 34 00 00") +
+                         hex("80 20 0C 00 00 00 00 00 00 00 00 3D CC CC CD");
+  XbusLine line;
+
+  line.send(message(0x36, measured + hex("E0 10 01 02")));
+  line.send(message(0x36, measured + hex("E0 10 01 00")));
+  line.send(message(0x36, measured + hex("E0 20 04 00 00 00 00")));
+  line.send(message(0x36, measured + hex("E0 10 02 00 00")));
+
+  ASSERT_EQ(line.imus.size(), 3U);
+  EXPECT_TRUE(line.imus[0].has_heading);
+  EXPECT_FALSE(line.imus[1].has_heading);
+  EXPECT_FALSE(line.imus[2].has_heading);
+  EXPECT_EQ(line.malformed, 1);
+}
+
 TEST(XbusImu, IgnoresMessagesWithoutARateOfTurn) {
   XbusLine line;
 

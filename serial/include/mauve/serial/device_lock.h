@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace drivers {
+namespace mauve::serial {
 
 /// A lock of flock(2), which holds against root too, and which other programs for serial lines ask
 /// for as well. It lies on a descriptor of its own: that of the line goes to the guardian, which
@@ -20,6 +20,7 @@ class DeviceLock {
   /// Of the terminal that `line` is open on, by its path. False: another process holds it. Takes no
   /// memory.
   bool take(int line, const char* path);
+  /// Another process may take the device from now on.
   void release();
 
  private:
@@ -29,4 +30,4 @@ class DeviceLock {
 /// "process 4711 (mauved)", or "another process" where the system does not say.
 [[nodiscard]] std::string holder_of(const std::string& path);
 
-}  // namespace drivers
+}  // namespace mauve::serial

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "line_bytes.h"
+#include <mauve/serial/line_bytes.h>
 
 #include <chrono>
 #include <thread>
 #include <utility>
 
-namespace drivers {
+namespace mauve::serial {
 namespace {
 
 using namespace std::chrono_literals;
@@ -74,4 +74,4 @@ void LineFiller::let_go() {
   if (bytes != nullptr) store(bytes->filler, 0);
 }
 
-}  // namespace drivers
+}  // namespace mauve::serial

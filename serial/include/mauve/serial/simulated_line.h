@@ -14,10 +14,10 @@
 #include <mauve/observable.h>
 #include <mauve/property.h>
 
-#include "line_thread.h"
-#include "serial_port.h"
+#include <mauve/serial/line_thread.h>
+#include <mauve/serial/serial_port.h>
 
-namespace drivers {
+namespace mauve::serial {
 
 class SimulatedLine {
  public:
@@ -58,4 +58,4 @@ class SimulatedLine {
   LineThread thread_;  // ends before both
 };
 
-}  // namespace drivers
+}  // namespace mauve::serial

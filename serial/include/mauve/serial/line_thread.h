@@ -16,11 +16,11 @@
 
 #include <mauve/result.h>
 
-#include "byte_ring.h"
-#include "line_bytes.h"
-#include "serial_port.h"
+#include <mauve/serial/byte_ring.h>
+#include <mauve/serial/line_bytes.h>
+#include <mauve/serial/serial_port.h>
 
-namespace drivers {
+namespace mauve::serial {
 
 /// Serves one end of a line from start() to stop(). A line reads only into bytes that it fills, and
 /// only as many as find room there. Further bytes wait in the kernel, and a core that does not run
@@ -41,9 +41,9 @@ class LineThread {
   /// device that hung should not hear old bytes later. One that is opened to send is for
   /// emergencies: its thread is a real-time one from the beginning. [factory]
   mauve::Status start(LineEnd& end, std::size_t most_waiting, Lost lost = Lost::waits);
-  /// Called on the thread when bytes that send() took found no device, and with the number of bytes
-  /// that came. Before start(). [factory]
+  /// Called on the thread when bytes that send() took found no device. Before start(). [factory]
   void when_unsent(std::function<void()> report) { report_unsent_ = std::move(report); }
+  /// Called on the thread with the number of bytes that came. Before start(). [factory]
   void when_received(std::function<void(std::size_t)> report) {
     report_received_ = std::move(report);
   }
@@ -121,4 +121,4 @@ class LineThread {
   bool idle_ = false;                // it is always ready, and has nothing: the end of a file
 };
 
-}  // namespace drivers
+}  // namespace mauve::serial

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "line_thread.h"
+#include <mauve/serial/line_thread.h>
 
 #include <poll.h>
 #include <pthread.h>
@@ -20,7 +20,7 @@
 #include <thread>
 #include <utility>
 
-namespace drivers {
+namespace mauve::serial {
 namespace {
 
 using namespace std::chrono_literals;
@@ -351,4 +351,4 @@ void LineThread::send_rest() {
   }
 }
 
-}  // namespace drivers
+}  // namespace mauve::serial

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "serial_port.h"
+#include <mauve/serial/serial_port.h>
 
 #include <fcntl.h>
 #include <stdlib.h>  // NOLINT: posix_openpt and its family
@@ -16,7 +16,7 @@
 #include <system_error>
 #include <utility>
 
-namespace drivers {
+namespace mauve::serial {
 namespace {
 
 namespace fs = std::filesystem;
@@ -115,8 +115,43 @@ Status check_place(const std::string& link) {
                 "is another one running? \"pty:NAME\" is a name of each mauved's own");
 }
 
+/// Its number and the tick in which it began: the link of a process that was killed is never
+/// mistaken for one of a later process that got its number. Empty: there is no such process.
+std::string name_of_process(pid_t process) {
+  constexpr int kBegan = 22;  // field of /proc/PID/stat, see proc(5)
+  std::ifstream file("/proc/" + std::to_string(process) + "/stat");
+  std::string text;
+  if (!std::getline(file, text)) return {};
+  std::istringstream after_name(text.substr(text.rfind(')') + 1));
+  std::string field;
+  for (int number = 3; number <= kBegan; ++number) after_name >> field;
+  return std::to_string(process) + "-" + field;
+}
+
+constexpr std::string_view kLinkBegin = "mauve-";
+
+/// Of processes of this user that were killed: "mauve-NAME.PROCESS", beside a link of this process.
+void remove_stale_links(const fs::path& link) {
+  if (!link.filename().string().ends_with("." + name_of_process(::getpid()))) return;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(link.parent_path(), ignored)) {
+    const std::string name = entry.path().filename();
+    const std::string process = name.substr(name.rfind('.') + 1);
+    const int number = std::atoi(process.c_str());
+    const bool ours =
+        name.starts_with(kLinkBegin) && number > 0 && process.find('-') < process.size();
+    struct stat facts {};
+    if (!ours || ::lstat(entry.path().c_str(), &facts) != 0 || !S_ISLNK(facts.st_mode) ||
+        facts.st_uid != ::geteuid() || name_of_process(number) == process) {
+      continue;
+    }
+    fs::remove(entry.path(), ignored);
+  }
+}
+
 Status replace_link(const std::string& target, const std::string& link) {
   if (Status ready = check_place(link); !ready) return ready;
+  remove_stale_links(link);
   std::error_code problem;
   fs::remove(link, problem);
   fs::create_symlink(target, link, problem);
@@ -124,19 +159,6 @@ Status replace_link(const std::string& target, const std::string& link) {
     return refuse(Errc::system, {}, "cannot create the link '" + link + "': " + problem.message());
   }
   return mauve::ok();
-}
-
-/// Its number and the tick in which it began: a link that a process left behind is never mistaken
-/// for one of a later process that got its number.
-std::string this_process() {
-  constexpr int kBegan = 22;  // field of /proc/self/stat, see proc(5)
-  std::ifstream file("/proc/self/stat");
-  std::string text;
-  std::getline(file, text);
-  std::istringstream after_name(text.substr(text.rfind(')') + 1));
-  std::string field;
-  for (int number = 3; number <= kBegan; ++number) after_name >> field;
-  return std::to_string(::getpid()) + "-" + field;
 }
 
 }  // namespace
@@ -160,7 +182,8 @@ std::string line_path(const std::string& name) {
     place = said;
     break;
   }
-  return place + "/mauve-" + name.substr(kOwn.size()) + "." + this_process();
+  return place + "/" + std::string(kLinkBegin) + name.substr(kOwn.size()) + "." +
+         name_of_process(::getpid());
 }
 
 void SerialPort::choose(const std::string& device, int baud, Use use) {
@@ -309,4 +332,4 @@ std::size_t PseudoTerminal::receive(std::span<char> into) const {
   return count > 0 ? static_cast<std::size_t>(count) : 0;
 }
 
-}  // namespace drivers
+}  // namespace mauve::serial

@@ -8,8 +8,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
+#include <tuple>
 
-namespace drivers {
+#include <mauve/type.h>
+
+namespace mauve::serial {
 
 /// One writer, one reader. Plain data, so that it can be part of a core's state.
 template <std::size_t kSize>
@@ -17,6 +21,15 @@ class ByteRing {
   static_assert(kSize > 0 && (kSize & (kSize - 1)) == 0, "a power of two");
 
  public:
+  /// Described by the places of its marks, which lie behind the bytes.
+  static constexpr std::string_view type_name = "byte_ring/1";
+  /// The bytes are no field: tools show none of them.
+  static constexpr auto fields() {
+    return std::tuple{mauve::field("head", &ByteRing::head_),
+                      mauve::field("tail", &ByteRing::tail_)};
+  }
+
+  /// In bytes.
   static constexpr std::size_t kCapacity = kSize;
 
   /// Bytes that wait; for either side. [rt]
@@ -32,6 +45,7 @@ class ByteRing {
     const std::size_t at = head_ % kSize;
     return std::span(bytes_).subspan(at, std::min(free, kSize - at));
   }
+  /// The writer: so many bytes of room() count from now on. [rt]
   void filled(std::size_t count) { store(head_, head_ + static_cast<std::uint32_t>(count)); }
   /// All of it, at once, or false and nothing. [rt]
   [[nodiscard]] bool put(std::span<const char> bytes, std::span<const char> more = {}) {
@@ -49,6 +63,7 @@ class ByteRing {
     const std::size_t at = (tail_ + from) % kSize;
     return std::span<const char>(bytes_).subspan(at, std::min(size() - from, kSize - at));
   }
+  /// The reader: removes so many bytes of there(). [rt]
   void drop(std::size_t count) { store(tail_, tail_ + static_cast<std::uint32_t>(count)); }
 
  private:
@@ -64,4 +79,4 @@ class ByteRing {
   std::uint32_t tail_ = 0;  // the reader's
 };
 
-}  // namespace drivers
+}  // namespace mauve::serial

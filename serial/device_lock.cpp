@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "device_lock.h"
+#include <mauve/serial/device_lock.h>
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -14,7 +14,7 @@
 #include <string>
 #include <utility>
 
-namespace drivers {
+namespace mauve::serial {
 namespace {
 
 constexpr int kMostDescriptors = 4096;
@@ -80,4 +80,4 @@ std::string holder_of(const std::string& path) {
   return "another process";
 }
 
-}  // namespace drivers
+}  // namespace mauve::serial

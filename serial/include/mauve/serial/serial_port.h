@@ -11,21 +11,24 @@
 #include <mauve/guarded.h>
 #include <mauve/result.h>
 
-#include "device_lock.h"
+#include <mauve/serial/device_lock.h>
 
-namespace drivers {
+namespace mauve::serial {
 
 /// Owns a file descriptor.
 class Descriptor {
  public:
   Descriptor() = default;
+  /// Takes it over; a negative number is none.
   explicit Descriptor(int number) : number_(number) {}
+  /// Takes it from the other one.
   Descriptor(Descriptor&& other) noexcept : number_(other.number_) { other.number_ = -1; }
+  /// Exchanges them.
   Descriptor& operator=(Descriptor&& other) noexcept;
   ~Descriptor();
 
-  [[nodiscard]] int number() const { return number_; }
-  [[nodiscard]] bool open() const { return number_ >= 0; }
+  [[nodiscard]] int number() const { return number_; }      ///< negative: none
+  [[nodiscard]] bool open() const { return number_ >= 0; }  ///< there is one
 
  private:
   int number_ = -1;
@@ -47,6 +50,7 @@ class LineEnd {
   [[nodiscard]] virtual std::ptrdiff_t read(std::span<char> into) = 0;
   /// Bytes that found room; -1 when the device failed.
   [[nodiscard]] virtual std::ptrdiff_t write(std::string_view bytes) const = 0;
+  /// The device is not used from now on.
   virtual void close() = 0;
   /// The same once more, after it failed or was closed. Takes no memory.
   virtual bool reopen() = 0;
@@ -76,10 +80,12 @@ class SerialPort final : public LineEnd {
   void guard(mauve::Guarded& guarded, const mauve::SafeOrder& order);
   /// For reopen() to open it, also while another process has it: for emergencies. [factory]
   void choose(const std::string& device, int baud, Use use);
+  /// Takes the order back from the guardian, and gives the device free.
   void close() override;
   bool reopen() override;
   [[nodiscard]] std::string name() const override { return path_; }
   bool tune() override;
+  /// The device is there.
   [[nodiscard]] bool is_open() const { return device_.open(); }
   [[nodiscard]] int number() const override { return device_.number(); }
   [[nodiscard]] std::ptrdiff_t read(std::span<char> into) override;
@@ -113,6 +119,7 @@ class PseudoTerminal final : public LineEnd {
   /// line_path(). A link of this user that leads nowhere, or to a line of this process, is
   /// replaced; anything else there is refused. [factory]
   mauve::Status open(const std::string& name);
+  /// Removes the link, too.
   void close() override { shut(); }
   /// False: no other program could find the same terminal again.
   bool reopen() override { return false; }
@@ -138,4 +145,4 @@ class PseudoTerminal final : public LineEnd {
   std::string link_;
 };
 
-}  // namespace drivers
+}  // namespace mauve::serial

@@ -4,19 +4,31 @@
 
 #include <atomic>
 #include <cstdint>
+#include <string_view>
+#include <tuple>
 
-#include "byte_ring.h"
+#include <mauve/serial/byte_ring.h>
+#include <mauve/type.h>
 
-namespace drivers {
+namespace mauve::serial {
 
 /// The unused bytes from a device. They are part of a core's state, so that they survive a change.
 /// The successor reads on here, and its own line goes on writing them once the line of its
 /// predecessor has let go.
 struct LineBytes {
-  ByteRing<16'384> ring;
-  std::uint64_t filler = 0;  // the line they are offered to; plus one: the line that writes them
-  std::uint64_t wanted = 0;  // the line that shall write them
-  std::uint64_t home = 0;    // where this is: a copy has no filler
+  ByteRing<16'384> ring;     ///< the bytes
+  std::uint64_t filler = 0;  ///< the line they are offered to; plus one: the line that writes them
+  std::uint64_t wanted = 0;  ///< the line that shall write them
+  std::uint64_t home = 0;    ///< where this is: a copy has no filler
+
+  /// Described, so that the layout of a state that has it is compared field by field.
+  static constexpr std::string_view type_name = "line_bytes/1";
+  /// All members.
+  static constexpr auto fields() {
+    return std::tuple{
+        mauve::field("ring", &LineBytes::ring), mauve::field("filler", &LineBytes::filler),
+        mauve::field("wanted", &LineBytes::wanted), mauve::field("home", &LineBytes::home)};
+  }
 };
 
 /// The part of a line that fills bytes. A component offers them in each job; the thread of the line
@@ -55,4 +67,4 @@ class LineFiller {
   LineBytes* filled_ = nullptr;               // the thread's own
 };
 
-}  // namespace drivers
+}  // namespace mauve::serial

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "device_line.h"
+#include <mauve/serial/device_line.h>
 
-namespace drivers {
+#include <utility>
+
+#include <mauve/log.h>
+
+namespace mauve::serial {
 namespace {
 
 /// Some fifty commands, a second of them: a device that hung shall not hear older ones later.
@@ -9,15 +13,25 @@ constexpr std::size_t kMostWaiting = 256;
 
 }  // namespace
 
-mauve::Status DeviceLine::open(const std::string& device, int baud, SerialPort::Use use) {
+DeviceLine::DeviceLine(mauve::Configurable& core, LineSettings settings)
+    : device(core, "device", std::move(settings.device),
+             "serial device, or pty:NAME of a simulated one", {.within = "/dev/ pty:"}),
+      baud(core, "baud", settings.baud, "speed of the line; 0 leaves it alone, as for USB",
+           {.unit = "1/s", .min = 0, .max = 921'600}),
+      device_errors(core, "device_errors", 0, "times it was not there or went away"),
+      reopened(core, "reopened", 0, "times it came, or came back"),
+      received(core, "received", 0, "bytes"),
+      use_(settings.use) {}
+
+mauve::Status DeviceLine::open() {
   heard_ = mauve::job_time();
-  if (mauve::Status opened = port_.open(device, baud, SerialPort::Missing::accepted, use);
+  if (mauve::Status opened = port_.open(device, baud, SerialPort::Missing::accepted, use_);
       !opened) {
     return opened;
   }
   lost_ = !port_.is_open();
-  if (lost_) ++errors_;
-  thread_.when_received([this](std::size_t count) { received_ += count; });
+  if (lost_) ++device_errors;
+  thread_.when_received([this](std::size_t count) { received += count; });
   return thread_.start(port_, kMostWaiting);
 }
 
@@ -32,7 +46,7 @@ bool DeviceLine::reopen() {
   lost_ = !thread_.reopen();
   report();
   if (lost_) return false;
-  ++reopened_;
+  ++reopened;
   return true;
 }
 
@@ -43,7 +57,7 @@ bool DeviceLine::take(LineBytes& line, char& byte) {
   const std::span<const char> there = line.ring.there();
   if (there.empty()) {
     lost_ = !open;
-    if (lost_) ++errors_;
+    if (lost_) ++device_errors;
     report();
     return false;
   }
@@ -54,13 +68,14 @@ bool DeviceLine::take(LineBytes& line, char& byte) {
   return true;
 }
 
+/// Once for each change.
 void DeviceLine::report() {
-  there_.report(!lost_, "its device is back", "its device is not there (time {})", errors_.get());
-}
-
-void DeviceLine::count_damaged(Counter& bad_frames) {
-  if (rover::worth_reporting(++bad_frames)) {
-    mauve::log(mauve::LogLevel::warning, "{} damaged frames so far", bad_frames.get());
+  if (lost_ == reported_lost_) return;
+  reported_lost_ = lost_;
+  if (lost_) {
+    mauve::log(mauve::LogLevel::warning, "its device is not there (time {})", device_errors.get());
+  } else {
+    mauve::log(mauve::LogLevel::info, "its device is back");
   }
 }
 
@@ -75,4 +90,4 @@ void DeviceLine::begin_job(LineBytes& line) {
   }
 }
 
-}  // namespace drivers
+}  // namespace mauve::serial
