@@ -95,6 +95,8 @@ std::string render_plan(std::string_view file, const Json& result, Look look) {
       members += " (state converted: " + converted + ")";
     } else if (bytes > 0) {
       members += " (" + counted(bytes, "byte") + " of state kept)";
+    } else if (mauve::ctl::member(member, "begins_anew") == true) {
+      members += " (Stateless: begins anew)";
     }
   }
   std::string text = "everything is prepared and would be applied";

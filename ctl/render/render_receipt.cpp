@@ -117,16 +117,19 @@ std::string warnings(const Json& receipt, Look look) {
   return text;
 }
 
-/// ", 16 bytes of state kept, state converted: count/1 -> count/2"
+/// ", 16 bytes of state kept, state converted: count/1 -> count/2, Stateless, so begun anew: lamp"
 std::string kept_states(const Json& receipt) {
   std::uint64_t bytes = 0;
   std::string converted;
+  std::string anew;
   for (const Json& one : list_in(receipt, "components")) {
     const std::string types = word(one, "converted");
     if (types.empty()) bytes += whole_number(one, "bytes");
     if (!types.empty()) converted += ", state converted: " + types;
+    if (member(one, "begins_anew") == true) join(anew, word(one, "name"));
   }
-  return (bytes > 0 ? ", " + counted(bytes, "byte") + " of state kept" : "") + converted;
+  return (bytes > 0 ? ", " + counted(bytes, "byte") + " of state kept" : "") + converted +
+         (anew.empty() ? "" : ", Stateless, so begun anew: " + anew);
 }
 
 }  // namespace

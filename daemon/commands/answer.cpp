@@ -238,6 +238,9 @@ Json to_json(const Receipt& receipt) {
     if (!member.converted.empty()) {
       row["converted"] = member.converted;
     }
+    if (member.begins_anew) {
+      row["begins_anew"] = true;
+    }
     members.push_back(std::move(row));
   }
   Json result = {

@@ -61,6 +61,7 @@ void say_states(const CoreBase& from, const CoreBase& into, StatePolicy policy,
     row.dropped += (row.dropped.empty() ? "" : " and ") + dropped->name;
     row.dropped_bytes += dropped->size;
   }
+  row.begins_anew = &from != &into && into.declared_stateless() && row.dropped.empty();
 }
 
 void note_unexamined(const std::string& at, const CoreBase& from, const CoreBase& into,

@@ -37,8 +37,8 @@ void retire(const Bundle& old, const Bundle& now, Retired& retired);
 /// Gives the thread the priority and the CPUs of its committed bundle. [control]
 void schedule(System& system, Deployed& deployed);
 
-/// Enters the states that were converted, and those that no core took, into the receipt of a
-/// member.
+/// Enters the states that were converted, those that no core took, and a core without a state into
+/// the receipt of a member.
 void say_states(const CoreBase& from, const CoreBase& into, StatePolicy policy, MemberReceipt& row);
 
 /// Adds a note for each state whose description has no fields, so that only its name and size were

@@ -128,6 +128,15 @@ TEST(RenderPlan, SaysWhoTakesPartAndWhatIsKept) {
   EXPECT_EQ(render_plan("rover.json", kSame, {}), "rover.json is what runs (generation 41)\n");
 }
 
+TEST(RenderPlan, SaysWhichCoreIsStatelessAndSoBeginsAnew) {
+  Json result = kResult;
+  result["components"].push_back({{"name", "drives"}, {"bytes", 0}, {"begins_anew", true}});
+  EXPECT_NE(
+      render_plan("rover.json", result, {}).find("watcher, drives (Stateless: begins anew)\n"),
+      std::string::npos)
+      << render_plan("rover.json", result, {});
+}
+
 TEST(RenderPlan, PrintsTheConsequencesThatTheReceiptPrints) {
   Json result = kResult;
   result["gone"] = Json::parse(R"([{"name": "speed", "before": 0.6}])");

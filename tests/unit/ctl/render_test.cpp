@@ -147,6 +147,17 @@ TEST(RenderReceipt, SaysThatAStateWasConverted) {
             "converted: count/1 -> count/2 (generation 42)\n");
 }
 
+TEST(RenderReceipt, NamesTheCoresThatAreStatelessAndSoBeginAnew) {
+  const Json three = Json::parse(R"([
+      {"name": "drives", "pause_ns": 38, "missed": 0, "bytes": 0, "begins_anew": true},
+      {"name": "control", "pause_ns": 38, "missed": 0, "bytes": 48},
+      {"name": "lamp", "pause_ns": 38, "missed": 0, "bytes": 0, "begins_anew": true}])");
+
+  EXPECT_EQ(render_receipt("reloaded x", receipt_with("components", three), {}),
+            "reloaded x: longest pause 38 ns, 0 releases missed, 48 bytes of state kept, "
+            "Stateless, so begun anew: drives, lamp (generation 42)\n");
+}
+
 TEST(RenderReceipt, SaysWhenNothingHadToChange) {
   EXPECT_EQ(render_receipt("started control", receipt_with("changed", false), {}),
             "nothing to change (generation 42 still running)\n");

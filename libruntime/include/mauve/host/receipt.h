@@ -23,6 +23,8 @@ struct MemberReceipt {
   std::size_t dropped_bytes = 0;  ///< of those objects
   /// The types of a state that was converted: "count/1 -> count/2".
   std::string converted = {};
+  /// Its core was replaced by one that is mauve::Stateless, and nothing was dropped.
+  bool begins_anew = false;
 };
 
 /// The state in which a change leaves the system. A rollback is a later change of its own.
