@@ -183,10 +183,8 @@ void Daemon::keep_stopped() {
     }
   }
   for (const auto& name : leave_stopped(user_stops_, *architecture_)) {
-    const auto& stop = *user_stops_.of(name);
     log_.write(Event::stays_stopped,
-               {{"component", name},
-                {"text", "uid " + std::to_string(stop.uid) + " stopped it at " + stop.time}});
+               {{"component", name}, {"text", in_words(*user_stops_.of(name))}});
   }
 }
 

@@ -43,6 +43,10 @@ std::string render_pending(const Json& status, Look look) {
   }
   for (const Json& one : list_in(status, "components")) {
     const auto name = word(one, "name");
+    if (member(one, "stopped_by").is_string()) {
+      add(name + ": " + word(one, "stopped_by") + "; only mauvectl start " + name +
+          " starts it again");
+    }
     if (const auto values = whole_number(one, "implausible"); values > 0) {
       add(name + ": " + counted(values, "value") + " of its present core " +
           (values > 1 ? "were" : "was") + " not plausible, so no reader gets " +

@@ -29,7 +29,7 @@ std::string seconds_of(const Json& params) {
 /// "new_data, 12.0 ms old".
 std::string status_of(const Json& value) {
   const std::string status = word(value, "status");
-  if (!value.is_object() || !value.contains("age_ns")) return status;
+  if (!value.is_object() || !value.contains("age_ns") || status == "current") return status;
   return status + ", " + nanoseconds_in_words(number(value, "age_ns")) + " old";
 }
 

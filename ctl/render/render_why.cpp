@@ -88,25 +88,13 @@ std::string listed(const Json& names) {
   return text;
 }
 
-/// Of the jobs over the budget. The most processor time of all jobs says nothing about them where
-/// it is within the budget.
-std::string processor_time_in_words(const Json& why) {
-  const double used = number(why, "used_max_ns");
-  if (used > number(why, "budget_ns")) {
-    return ", up to " + nanoseconds_in_words(used) + " of processor time";
-  }
-  return whole_number(why, "unmeasured") > 0 ? ", processor time not measured" : "";
-}
-
-/// "253 jobs over the budget of 100 us (longest 15.0 ms from start to end, up to 14.9 ms of
-/// processor time)"; empty: none was.
+/// "253 jobs over the budget of 100 us (longest 14.9 ms of processor time)"; empty: none was.
 std::string over_budget_in_words(const Json& why) {
   const auto over = whole_number(why, "over_budget");
   if (over == 0) return {};
   return counted(over, "job") + " over the budget of " +
          nanoseconds_in_words(number(why, "budget_ns")) + " (longest " +
-         nanoseconds_in_words(number(why, "elapsed_max_ns")) + " from start to end" +
-         processor_time_in_words(why) + ")";
+         nanoseconds_in_words(number(why, "used_max_ns")) + " of processor time)";
 }
 
 /// "did not fail, but is late: 126 releases missed, 259 overruns, 253 jobs over the budget ...";
@@ -164,6 +152,10 @@ std::string render_why(const Json& why, Look look) {
   const Paint paint = failed ? Paint::red : Paint::bold;
   text.text_ =
       painted(wrapped(why_heading(why, failure), look.width, 2), paint, look.colour) + "\n";
+  if (const auto by = word(why, "stopped_by"); member(why, "stopped_by").is_string()) {
+    text.add("stopped",
+             by + "; only mauvectl start " + word(why, "component") + " starts it again");
+  }
   const Json& after = member(why, "change_after");
   if (after.is_object()) text.add("changed", change_in_words(after));
   if (failure.is_object()) {

@@ -88,9 +88,17 @@ void reply_when_saved(Running& running, const Call& call, server::Outcome outcom
                         });
 }
 
+std::string in_words(const UserStop& stop) {
+  return "uid " + std::to_string(stop.uid) + " stopped it at " + stop.time;
+}
+
+const UserStop* stop_of(const Running& running, const std::string& component) {
+  return running.user_stops == nullptr ? nullptr : running.user_stops->of(component);
+}
+
 std::string note_on(const std::string& component, const UserStop& stop) {
-  return component + " stays stopped: uid " + std::to_string(stop.uid) + " stopped it at " +
-         stop.time + "; mauvectl start " + component + " starts it";
+  return component + " stays stopped: " + in_words(stop) + "; mauvectl start " + component +
+         " starts it";
 }
 
 std::vector<std::string> leave_stopped(const Running& running, Change& change) {

@@ -48,6 +48,12 @@ std::shared_ptr<SavedStop> save_stop_directly(const Running& running, const Call
 /// [control] Answers a stop when it is saved.
 void reply_when_saved(Running& running, const Call& call, server::Outcome outcome);
 
+/// "uid 1000 stopped it at 2026-01-01T10:00:00Z".
+[[nodiscard]] std::string in_words(const UserStop& stop);
+
+/// [control] The stop that keeps this component from running; null: none does.
+[[nodiscard]] const UserStop* stop_of(const Running& running, const std::string& component);
+
 /// A component that a user stopped would have been started, and stays stopped.
 [[nodiscard]] std::string note_on(const std::string& component, const UserStop& stop);
 

@@ -2,6 +2,7 @@
 /// status.get, ping, version: the state of the system, and its version.
 #include <algorithm>
 
+#include "base/duration.h"
 #include "commands/answer.h"
 #include "commands/change/change.h"
 #include "commands/command.h"
@@ -11,8 +12,11 @@
 #include "commands/model.h"
 #include "commands/recovery/abandoned.h"
 #include "commands/recovery/quarantine.h"
+#include "commands/stops.h"
 #include "mauve/host/architecture.h"
+#include "mauve/host/resource.h"
 #include "mauve/host/version.h"
+#include "mauve/observable.h"
 #include "monitor/guardian.h"
 #include "state/state_store.h"
 #include "supervision/rule_rows.h"
@@ -87,8 +91,30 @@ Json lock_request(const Running& running) {
 
 /// Of the plugins that still run in the build of the start, which is another one than that of the
 /// saved generation.
+/// Warnings that last, such as "imu.core.silent lasts for 12s: its device sends nothing".
+void add_warnings(Json& notes, const Running& running, const CoreBase& core) {
+  for (const auto* observable : core.observables()) {
+    const auto* const warning = dynamic_cast<const Warning*>(observable);
+    if (warning == nullptr || !warning->lasts()) {
+      continue;
+    }
+    const Duration lasted{running.deployer.clock().now() - warning->written()};
+    const auto reason = std::string(warning->reason());
+    notes.push_back(
+        {{"address", warning->address()},
+         {"text", "lasts for " + format_duration(std::chrono::floor<std::chrono::seconds>(lasted)) +
+                      (reason.empty() ? "" : ": " + reason)}});
+  }
+}
+
 Json notes_of(const Running& running) {
   Json notes = wiring_notes(running);
+  for (const auto* component : running.architecture.components()) {
+    add_warnings(notes, running, *component->bundle()->core);
+  }
+  for (const auto* resource : running.architecture.resources()) {
+    add_warnings(notes, running, resource->core());
+  }
   for (const auto& one : running.other_builds) {
     const auto* loaded = running.catalog.find(one.plugin);
     if (loaded != nullptr && loaded->info().build_id == one.runs) {
@@ -132,6 +158,9 @@ Json row_of(const Running& running, const ComponentStatus& one) {
               {"elapsed_max_ns", one.elapsed_max.count()}};
   if (!one.fault.empty()) {
     row["fault"] = one.fault;
+  }
+  if (const auto* stop = stop_of(running, one.name)) {
+    row["stopped_by"] = in_words(*stop);
   }
   if (one.state == ComponentState::recovering) {
     row["recovery"] = recovery_json(one.recovery);

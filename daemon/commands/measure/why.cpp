@@ -9,6 +9,7 @@
 #include "commands/measure/more_urgent.h"
 #include "commands/model.h"
 #include "commands/recovery/quarantine.h"
+#include "commands/stops.h"
 #include "exec/update/fault_record.h"
 #include "mauve/detail/port_base.h"
 #include "mauve/host/architecture.h"
@@ -137,9 +138,13 @@ void add_next_steps(const Running& running, const std::string& name, const Failu
       break;
   }
   if (cause == exec::Cause::hung) {
+    const auto* component = running.architecture.find_component(name);
+    const bool set = component != nullptr && component->bundle()->task.watchdog > Duration{0};
     hints.push_back("mauvectl show " + name + ": its job is ended after " +
                     format_duration(running.deployer.status(name).watchdog) +
-                    ", which `watchdog` in the file sets");
+                    (set ? ", which `watchdog` in the file sets"
+                         : ", which follows from its budget or period; `watchdog` in the file "
+                           "sets another time"));
   }
   if (cause == exec::Cause::over_budget || cause == exec::Cause::overruns) {
     hints.push_back("mauvectl analyze: the measured and the permitted times of its jobs");
@@ -267,17 +272,18 @@ Result<Json> why(Running& running, const Call& call) {
   const bool later = failure != nullptr && late_after(running, status, *failure);
   const auto* after = later ? change_after(running, name, *failure) : nullptr;
   const auto poisoned = poisoned_of(**component);
+  const auto* stop = stop_of(running, name);
   Json result = {{"component", name},
                  {"state", to_string(status.state)},
                  {"fsm_state", status.fsm_state},
                  {"core", status.core},
                  {"recovery", recovery_json(status.recovery)},
+                 {"stopped_by", stop == nullptr ? Json() : Json(in_words(*stop))},
                  {"late_ns", status.late.count()},
                  {"missed", status.missed},
                  {"overruns", status.overruns},
                  {"over_budget", status.over_present_budget},
                  {"implausible", implausible_of(**component)},
-                 {"unmeasured", status.unmeasured},
                  {"budget_ns", status.budget.count()},
                  {"elapsed_max_ns", status.elapsed_max.count()},
                  {"used_max_ns", status.used_max.count()},
