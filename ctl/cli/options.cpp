@@ -76,6 +76,17 @@ std::string near(std::string_view wanted, const std::vector<std::string>& known,
   return hint.empty() ? otherwise : hint;
 }
 
+/// The dashes, which all options have, make none of them nearer.
+std::string near_option(std::string_view wanted, std::vector<std::string> known,
+                        const std::string& otherwise) {
+  const auto bare = [](std::string_view name) {
+    return name.substr(std::min(name.size(), name.find_first_not_of('-')));
+  };
+  for (std::string& name : known) name = bare(name);
+  const std::string nearest = nearest_name(bare(wanted), known);
+  return nearest.empty() ? otherwise : "did you mean '--" + nearest + "'?";
+}
+
 std::vector<std::string> option_names(const Command* command) {
   std::vector<std::string> names{"--help", "--version"};
   const auto add = [&](const Argument& argument) {
@@ -122,7 +133,7 @@ Fault unexpected(const std::string& word, const Command* command) {
       "mauvectl " + (command != nullptr ? std::string(command->name) + " " : "") + "--help";
   if (word.starts_with('-')) {
     return wrong_use("usage_unknown_option", "unknown option '" + word + "'", {},
-                     near(word, option_names(command), help));
+                     near_option(word, option_names(command), help));
   }
   if (command != nullptr) {
     return wrong_use("usage_too_many_arguments",

@@ -191,7 +191,13 @@ class Builder {
   void connect(const ElementSpec& spec, Owner* owner) {
     for (const ConnectionSpec& connection : spec.connections) {
       ServiceBase* const service = find_service(spec, connection);
-      if (service == nullptr || owner == nullptr) continue;
+      if (owner == nullptr) continue;
+      if (service == nullptr) {
+        if (auto known = find_port(owner->shell(), connection.port); !known) {
+          problems_.add(connection.where, std::move(known.error()));
+        }
+        continue;
+      }
       const PortBase* const port = owner->shell().find_port(connection.port);
       if (connection.max_age && port != nullptr && port->signature().kind != PortKind::read) {
         problems_.add(connection.where, {Errc::invalid_value, "file_key_without_meaning"},

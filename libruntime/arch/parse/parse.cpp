@@ -44,16 +44,14 @@ void read_resource(const Source& source, ResourceSpec& resource) {
     if (!name) return std::nullopt;
     return name->value;
   };
-  read_object(
-      source,
-      {type_field(resource),
-       {"data", placed(resource.data, data)},
-       properties_field(resource, {"shell", "core", "interface"}),
-       ports_field(resource),
-       {"lock_budget", placed(resource.lock_budget, read_lock_budget)},
-       {"cross_core",
-        [&](const Source& value) { resource.cross_core = read_flag(value).value_or(false); }},
-       unsupported_field("on_fault")});
+  read_object(source, {type_field(resource),
+                       {"data", placed(resource.data, data)},
+                       properties_field(resource, {"shell", "core", "interface"}),
+                       ports_field(resource),
+                       {"lock_budget", placed(resource.lock_budget, read_lock_budget)},
+                       {"cross_core", [&](const Source& value) {
+                          resource.cross_core = read_flag(value).value_or(false);
+                        }}});
   require_type(source, resource);
   refuse_meaningless_lock_budget(source, resource);
 }

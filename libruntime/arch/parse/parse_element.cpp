@@ -139,18 +139,6 @@ Field fallback_field(std::optional<FallbackSpec>& into) {
           }};
 }
 
-Field unsupported_field(std::string_view key) {
-  return {key, [key](const Source& source) {
-            refuse_unsupported(source, '"' + std::string(key) + '"', "remove this key");
-          }};
-}
-
-void refuse_unsupported(const Source& source, std::string_view what, std::string_view hint) {
-  std::string message(what);
-  source.refuse(message.append(" is not yet supported by this version of mauve"), std::string(hint),
-                {Errc::unsupported, "file_not_supported"});
-}
-
 void require_type(const Source& source, const ElementSpec& element) {
   const auto* members = source.node.get_if<Node::Object>();
   if (members == nullptr) return;

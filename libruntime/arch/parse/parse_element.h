@@ -39,10 +39,6 @@ auto placed(std::optional<Placed<T>>& into, Read read) {
 [[nodiscard]] Field ports_field(ElementSpec& element);
 /// "fallback_core": a type name, or an object with the properties it is given.
 [[nodiscard]] Field fallback_field(std::optional<FallbackSpec>& into);
-/// A key that this version knows and refuses.
-[[nodiscard]] Field unsupported_field(std::string_view key);
-/// The sentence for it.
-void refuse_unsupported(const Source& source, std::string_view what, std::string_view hint);
 
 /// Reports an element without "type".
 void require_type(const Source& source, const ElementSpec& element);

@@ -190,7 +190,7 @@ Status Deployer::confirm() {
   }
   return refuse({Errc::wrong_state, "nothing_on_probation"}, {},
                 "generation " + std::to_string(generation()) +
-                    " is off probation, so there is nothing to confirm");
+                    " is not on probation, so there is nothing to confirm");
 }
 
 // The undo takes back what a user was shown: nothing takes the system further in between.
@@ -204,7 +204,7 @@ Status Deployer::undo(const std::string& reason, const std::vector<std::uint64_t
   if (undone != all.rend()) return ok();
   return refuse({Errc::wrong_state, "nothing_to_undo"}, {},
                 "generation " + std::to_string(shown.empty() ? generation() : shown.back()) +
-                    " is off probation, so there is nothing to undo",
+                    " is not on probation, so there is nothing to undo",
                 "roll back to a saved generation");
 }
 

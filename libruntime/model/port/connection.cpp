@@ -19,6 +19,8 @@ std::vector<std::string> port_names(const Shell& shell) {
   return names;
 }
 
+}  // namespace
+
 Result<PortBase*> find_port(const Shell& shell, std::string_view name) {
   if (PortBase* port = shell.find_port(name)) return port;
   std::string owner = shell.address().substr(0, shell.address().rfind('.'));
@@ -27,8 +29,6 @@ Result<PortBase*> find_port(const Shell& shell, std::string_view name) {
                 owner + " has no port of this name",
                 nearest.empty() ? "" : "did you mean " + owner + ".ports." + nearest + "?");
 }
-
-}  // namespace
 
 Status check_connection(const PortBase& port, const Binding* present, const ServiceBase& service,
                         Duration max_age) {

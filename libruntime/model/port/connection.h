@@ -21,6 +21,9 @@ class Shell;
 [[nodiscard]] Status check_connection(const PortBase& port, const Binding* present,
                                       const ServiceBase& service, Duration max_age = Duration{0});
 
+/// The port of this name. Refused, with the nearest name: there is none.
+[[nodiscard]] Result<PortBase*> find_port(const Shell& shell, std::string_view name);
+
 /// A copy of `table` in which port `name` of `shell` is connected to `service`.
 [[nodiscard]] Result<std::shared_ptr<const Bindings>> with_connection(
     const Shell& shell, const Bindings& table, std::string_view name, ServiceBase& service,

@@ -27,7 +27,8 @@ Error refused_to_user(const FifoFacts& facts, const std::string& what) {
   return refuse({Errc::not_permitted, "realtime_not_permitted"}, "realtime",
                 "no permission for " + what + ": CAP_SYS_NICE is missing, and RLIMIT_RTPRIO is 0",
                 "grant CAP_SYS_NICE, or a limit: `USER - rtprio 99` in "
-                "/etc/security/limits.conf, LimitRTPRIO=99 in a unit");
+                "/etc/security/limits.conf, LimitRTPRIO=99 in a unit. Where the unit has that "
+                "limit, its manager may not raise it (a container): use mauved-capabilities.conf");
 }
 
 }  // namespace

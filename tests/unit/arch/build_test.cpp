@@ -59,6 +59,15 @@ TEST_F(Build, MakesAllElementsInTheOrderOfTheFile) {
   EXPECT_FALSE(architecture->configured());
 }
 
+TEST_F(Build, ReportsAPortThatDoesNotExistBesideItsResourceThatIsRefused) {
+  const auto problems = refused(
+      with("\"pose\": { \"connect\"", "\"pos\": { \"connect\"", with("\"pose/1\"", "\"pose/2\"")));
+
+  ASSERT_EQ(problems.size(), 2U);
+  EXPECT_EQ(problems[1].error.id, "unknown_port");
+  EXPECT_EQ(problems[1].error.hint, "did you mean left.ports.pose?");
+}
+
 TEST_F(Build, TakesTheCoreOfTheTypeOrTheOneOfTheFile) {
   const auto architecture = accepted(sample::kArchitecture);
 

@@ -263,17 +263,12 @@ TEST(Parse, RefusesEachMistakeWithItsPlaceAddressAndHint) {
   }
 }
 
-TEST(Parse, RefusesWhatIsNotYetSupportedWithAClearSentence) {
-  const std::pair<std::string, std::string> later[] = {
-      {"\"data\": \"laser_scan/1\" }", "\"data\": \"laser_scan/1\", \"on_fault\": \"stop\" }"}};
-  for (const auto& [what, by] : later) {
-    const auto problems = problems_of(rover_with(what, by));
-    ASSERT_EQ(problems.size(), 1U) << by;
-    EXPECT_EQ(problems[0].error.code, Errc::unsupported);
-    EXPECT_NE(problems[0].error.message.find("is not yet supported by this version of mauve"),
-              std::string::npos);
-    EXPECT_FALSE(problems[0].error.hint.empty());
-  }
+TEST(Parse, OffersNoKeyThatItRefuses) {
+  const auto problems = problems_of(
+      rover_with("\"data\": \"laser_scan/1\" }", "\"data\": \"laser_scan/1\", \"hold\": 3 }"));
+  ASSERT_EQ(problems.size(), 1U);
+  EXPECT_NE(problems[0].error.hint.find("lock_budget"), std::string::npos);
+  EXPECT_EQ(problems[0].error.hint.find("on_fault"), std::string::npos) << problems[0].error.hint;
 }
 
 TEST(Parse, ReportsAllMistakesAtOnceInTheOrderOfTheFile) {

@@ -38,7 +38,7 @@ TEST_F(NewProject, HasTheNameInPlaceOfThatOfTheExample) {
   const std::vector<std::pair<std::string, std::string>> kinds = {{"core", "homing"},
                                                                   {"component", "tracker"},
                                                                   {"resource", "water_tank"},
-                                                                  {"driver", "serial_thermometer"}};
+                                                                  {"driver", "serial_heater"}};
   for (const auto& [kind, example] : kinds) {
     const std::string name = "my_" + kind;
     const Outcome outcome = write(kind, name);

@@ -126,6 +126,7 @@ TEST(Options, NameAMissingArgumentAsTheUsageDoes) {
 
 TEST(Options, NameTheNearestOption) {
   EXPECT_EQ(refused({"status", "--jsn"}).fault.hint, "did you mean '--json'?");
+  EXPECT_EQ(refused({"timeline", "--last"}).fault.hint, "mauvectl timeline --help");
   EXPECT_EQ(refused({"swap-core", "a", "b", "--inplace"}).fault.hint, "did you mean '--in-place'?");
 }
 
