@@ -26,7 +26,7 @@ struct ProjectKind {
 constexpr ProjectKind kKinds[] = {{"core", "core", "homing"},
                                   {"component", "component", "tracker"},
                                   {"resource", "resource", "water_tank"},
-                                  {"driver", "serial_driver", "serial_thermometer"}};
+                                  {"driver", "serial_driver", "serial_heater"}};
 
 constexpr std::size_t kLongestName = 64;  // as mauve_add_plugin() accepts it
 

@@ -127,6 +127,9 @@ class ToGoal final : public DriveCore {
   //! [Observable]
   mauve::Observable<double> distance{*this, "distance", 0.0, "to the goal", "m"};
   //! [Observable]
+  //! [Warning]
+  mauve::Warning lost{*this, "lost", "there is no pose"};  // in update(): lost.begin("no map")
+  //! [Warning]
   //! [TraceEvent]
   mauve::TraceEvent near{*this, "near"};  // in update(): near(distance);
   //! [TraceEvent]
@@ -276,6 +279,19 @@ TEST(ApiExamples, ComponentBenchRunsAComponentOnSimulatedTime) {
   EXPECT_EQ(bench.status().releases, 10U);  // at 0, 10, ... 90 ms
   //! [ComponentBench]
   EXPECT_NEAR(bench.core().travelled->distance, 0.1, 1e-9);
+}
+
+TEST(ApiExamples, ASwapOfACoreWithItselfChangesNoOutput) {
+  //! [difference_when_renewed]
+  using Bench = mauve::ComponentBench<DriveShell, ToGoal, UsualFsm>;
+  EXPECT_EQ(mauve::difference_when_renewed<Bench>(
+                20, [](Bench& bench) { ASSERT_TRUE(bench.deploy()); },
+                [](Bench& bench, int step) {
+                  bench.ports().give(bench.shell().pose, Pose{3.0 + step, 4.0});
+                  bench.run_for(10ms);
+                }),
+            "");
+  //! [difference_when_renewed]
 }
 
 TEST(ApiExamples, RunTogether) {
