@@ -66,8 +66,8 @@ class WorkerThread {
   void run_job(const Queued& queued);
   /// Whether a viewer may be served now, as a FairQueue asks.
   [[nodiscard]] auto may_now() const MAUVE_REQUIRES(mutex_) {
-    return [&share = share_, all = stopping_, now = ViewerShare::Clock::now()](uid_t viewer) {
-      return all || share.may(viewer, now);
+    return [share = &share_, all = stopping_, now = ViewerShare::Clock::now()](uid_t viewer) {
+      return all || share->may(viewer, now);
     };
   }
   void look_at_awaited();
