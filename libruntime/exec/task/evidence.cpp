@@ -14,8 +14,7 @@ unsigned count(std::uint64_t jobs, std::uint64_t window) {
 }  // namespace
 
 Evidence::Verdict Evidence::weigh(const JobTiming& job, const Rules& rules) {
-  const bool over_budget = job.budgets > 0;
-  sum_ = std::max(0, sum_ + (over_budget ? kWeight * std::min(job.budgets, kMostBudgets) : -1));
+  sum_ = std::max(0, sum_ + (job.over_budget ? kWeight : -1));
   too_long_ = too_long_ << 1U | (job.too_long ? 1U : 0U);
   note(job.late);
   const unsigned tolerated = std::max(rules.tolerated, 1U);  // one job is no evidence
@@ -24,7 +23,7 @@ Evidence::Verdict Evidence::weigh(const JobTiming& job, const Rules& rules) {
   const bool too_long = job.too_long && count(too_long_, rules.window) > tolerated;
   const bool starved = job.late && count(late_, rules.window) > tolerated + excused + as_before;
   if (too_long || starved) return Verdict::overruns;
-  return over_budget && sum_ >= kJobs * kWeight ? Verdict::over_budget : Verdict::none;
+  return job.over_budget && sum_ >= kJobs * kWeight ? Verdict::over_budget : Verdict::none;
 }
 
 }  // namespace mauve::exec

@@ -24,9 +24,9 @@ struct JobUse {
 
 /// How one job of the core ended.
 struct JobTiming {
-  int budgets = 0;        ///< it used more processor time than so many budgets; 0: than none
-  bool late = false;      ///< it ended after its deadline
-  bool too_long = false;  ///< late, and by its own doing: it ran, or slept, for too long
+  bool over_budget = false;  ///< it used more processor time than its budget
+  bool late = false;         ///< it ended after its deadline
+  bool too_long = false;     ///< late, and by its own doing: it ran, or slept, for too long
 };
 
 /// Owned by the thread of a task. Constant memory, some instructions a job. [rt]
@@ -34,10 +34,8 @@ class Evidence {
  public:
   /// A core that exceeds its budget in every job is detected at this one.
   static constexpr int kJobs = 16;
-  /// A job over the budget weighs as much as so many jobs within the budget; twice as much when it
-  /// used two budgets. More does not count, since a few jobs prove nothing.
+  /// A job over the budget weighs as much as so many jobs within the budget.
   static constexpr int kWeight = 2;
-  static constexpr int kMostBudgets = 2;
   /// Of 64 jobs, 8 late ones are excused, since others may have kept them from the processor. These
   /// add to the tolerated ones and to those of kMostAsBefore; with more, the change starves the
   /// core.

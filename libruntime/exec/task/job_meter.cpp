@@ -82,10 +82,7 @@ JobTiming JobMeter::timing_of(const JobUse& job, const TaskAttributes& task, Dur
   const Duration excused = excuse(job.released, job.end);
   const Duration used = std::max(job.used.value_or(Duration{0}) - excused, Duration{0});
   JobTiming timing;
-  if (task.budget > Duration{0} && used > task.budget) {
-    timing.budgets =
-        static_cast<int>(std::min<Duration::rep>(used / task.budget, Evidence::kMostBudgets));
-  }
+  timing.over_budget = task.budget > Duration{0} && used > task.budget;
   timing.late = job.late > excused;
   if (!timing.late) return timing;
   const Duration span = longest_span(task, wait);

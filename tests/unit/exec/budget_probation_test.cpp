@@ -55,14 +55,6 @@ struct Uneven : ramp::Down {
   int jobs_ = 0;
 };
 
-TEST_F(WithABudget, ACoreThatTakesTwoBudgetsInEachThirdJobIsRolledBack) {
-  const std::string before = core();
-  ASSERT_TRUE(swap_to<Uneven<650>>());
-
-  rolled_back_after(600ms, before,
-                    "took longer than its budget: in too many jobs, the last one 650 us of 300 us");
-}
-
 TEST_F(WithABudget, AProbationThatPassesSaysHowManyJobsExceededIt) {
   ASSERT_TRUE(swap_to<Uneven<350>>({.activations = 20}));
 
