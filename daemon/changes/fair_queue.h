@@ -43,7 +43,8 @@ class FairQueue {
   Item pop() {
     return *pop([](uid_t) { return true; });
   }
-  /// Passes over viewers for whom `may(uid)` is false; nothing: only they have requests.
+  /// The same, without the requests of viewers for whom `may(uid)` is false. Returns nothing when
+  /// no other request is there.
   template <typename May>
   std::optional<Item> pop(const May& may) {
     for (auto& users : ranks_) {

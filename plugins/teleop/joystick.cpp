@@ -144,7 +144,8 @@ class JoystickDriver final : public mauve::Core<JoystickShell> {
     if (reader_.take_dropped()) ++dropped;
   }
 
-  /// A wireless receiver stays when its joystick is out of reach, and goes on with what was held.
+  /// The receiver of a wireless joystick stays when the joystick is out of reach. Its last events
+  /// would keep the robot moving.
   void let_go_when_silent() {
     const bool held = reader_.holds();
     if (event_timeout.get() == 0ns || !held) return;

@@ -140,7 +140,7 @@ TEST_F(DamagedPlugins, WhoseTablesAreStampedAgainAreRefusedOrTriedElsewhereFirst
 }
 
 }  // namespace
-/// Its code would change no more with a reload, and whoever overwrites it ends mauved.
+/// A reload would not renew the code of such a library, and a write into its file would end mauved.
 TEST(HelperLibraries, ThatAreNotOfTheSystemAreRefused) {
   const TempDir place;
   const auto file = place.write("helped.json", R"({"schema": "mauve/architecture/1",

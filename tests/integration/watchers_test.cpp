@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::int64_t kLongestPeriod = 5'000'000;
 constexpr int kValues = 300;  // of each who watches
-constexpr int kAnswers = 20;  // of each who asks
+constexpr int kAnswers = 20;  // for each client that asks
 
 /// The first component writes a gain of 0, and then the number of its job. Both are above other
 /// people's real-time threads, which a probe above all does not see.

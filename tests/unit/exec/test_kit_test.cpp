@@ -119,7 +119,7 @@ TEST(ComponentBench, RunsTheStateMachineOnSimulatedTime) {
   EXPECT_EQ(bench.status().missed, 0u);
 }
 
-/// Adds up what it reads, in a state or beside it.
+/// This core adds up the values that it reads, in its state or in a member beside it.
 template <bool kInState>
 class AddingUp final : public Core<FollowShell> {
  public:
