@@ -26,6 +26,10 @@ inline constexpr Argument kMisses = maybe(
 inline constexpr Argument kConfirmWithin = maybe(
     "--confirm-within", "rolled back unless confirmed in this time, such as 30s", Kind::duration);
 
+inline constexpr Argument kInPlace = flag("--in-place",
+                                          "stop, change, start: for a device that only one core "
+                                          "can hold; failures roll back, late jobs do "
+                                          "not");
 inline constexpr Argument kDryRun =
     flag("--dry-run", "show what the change would do; it is prepared and dropped");
 
@@ -71,6 +75,7 @@ inline constexpr Argument kGraph[] = {
     maybe("--fsm", "the state machine of this component instead", Kind::component),
     maybe("-o,--output", "file for it; default, and -: standard output", Kind::file)};
 inline constexpr Argument kSet[] = {some("ADDRESS=VALUE", "JSON, or a bare text", Kind::assignment),
+                                    kInPlace,
                                     kDryRun,
                                     kState,
                                     kProbation,
@@ -104,9 +109,7 @@ inline constexpr Argument kSwap[] = {
     any("--set", "NAME=VALUE of a property of the new core", Kind::setting),
     maybe("--budget", "processor time that a job of it may use, such as 2ms", Kind::duration),
     flag("--defaults", "the new core begins with its own values, not with those in force"),
-    flag("--in-place",
-         "stop, swap, start: for a device that only one core can hold; failures roll back, late "
-         "jobs do not"),
+    kInPlace,
     kDryRun,
     kState,
     kProbation,
@@ -128,7 +131,7 @@ inline constexpr Argument kQuarantine[] = {
 inline constexpr Argument kPlugin[] = {one("PLUGIN", "name of a plugin, not a path", Kind::plugin)};
 inline constexpr Argument kLoad[] = {one("PLUGIN", "name of a plugin, not a path", Kind::available),
                                      kDryRun};
-inline constexpr Argument kReload[] = {kPlugin[0], kState,         kProbation,
+inline constexpr Argument kReload[] = {kPlugin[0], kInPlace,       kState, kProbation,
                                        kMisses,    kConfirmWithin, kDryRun};
 inline constexpr Argument kPlugins[] = {
     maybe("--for", "the cores that fit this component", Kind::component)};

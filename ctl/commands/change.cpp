@@ -93,6 +93,7 @@ void add_options(const Session& session, Json& params) {
     if (session.arguments.has(option)) params[name] = session.arguments.one(option);
   }
   if (session.arguments.has("--dry-run")) params["dry_run"] = true;
+  if (session.arguments.has("--in-place")) params["in_place"] = true;
 }
 
 int run_set(Session& session) {
@@ -153,7 +154,6 @@ int run_swap_core(Session& session) {
   Json params = {{"component", component}, {"core", session.arguments.one("CORE")}};
   if (session.arguments.has("--set")) params["set"] = std::move(std::get<Json>(values));
   if (session.arguments.has("--budget")) params["budget"] = session.arguments.one("--budget");
-  if (session.arguments.has("--in-place")) params["in_place"] = true;
   if (session.arguments.has("--defaults")) params["defaults"] = true;
   add_options(session, params);
   return change(session, "core.swap", std::move(params), "swapped " + component);

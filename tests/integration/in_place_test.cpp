@@ -58,5 +58,106 @@ TEST(SwapInPlace, GoesBackToTheOldCoreWhenTheNewOneRefuses) {
   EXPECT_EQ(daemon.component("first")["state"], "running");
 }
 
+/// A component whose core holds a file that only one core can hold at a time.
+class OfADevice : public testing::Test {
+ protected:
+  static std::string alone() {
+    auto architecture = Json::parse(kTrial);
+    architecture["components"].erase("second");
+    architecture["components"]["first"]["core"] = "trial/noting";
+    architecture["components"]["first"]["properties"] = {
+        {"fsm.period", "2ms"}, {"core.alone", true}, {"core.file", "device"}};
+    return architecture.dump();
+  }
+  [[nodiscard]] bool runs_build(int number) { return daemon.becomes("first.core.number", number); }
+
+  TrialDaemon daemon{alone()};
+  const Json set_ = {{"values", {{"first.core.gain", 3.0}}}};
+  const Json reload_ = {{"plugin", "trial"}};
+};
+
+TEST_F(OfADevice, SetsAPropertyOfACoreWhileItsComponentStands) {
+  const auto beside = daemon.ask("param.set", set_);
+  EXPECT_THAT(beside["message"].get<std::string>(), HasSubstr("is held by another core")) << beside;
+  auto in_place = set_;
+  in_place["in_place"] = true;
+
+  const auto receipt = daemon.ask("param.set", in_place);
+
+  EXPECT_EQ(receipt["state"], "applied") << receipt;
+  EXPECT_EQ(daemon.value("first.core.gain"), 3.0);
+  EXPECT_EQ(daemon.component("first")["state"], "running");
+  EXPECT_EQ(daemon.ask("change.undo")["state"], "applied") << "it is on probation";
+  EXPECT_TRUE(daemon.becomes("first.core.gain", 1.0)) << daemon.errors();
+}
+
+TEST_F(OfADevice, ReloadsTheirPluginWhileTheComponentStands) {
+  ASSERT_TRUE(runs_build(1)) << daemon.errors();
+  daemon.install(2);
+  const auto beside = daemon.ask("plugin.reload", reload_);
+  EXPECT_THAT(beside["message"].get<std::string>(), HasSubstr("is held by another core")) << beside;
+  auto in_place = reload_;
+  in_place["in_place"] = true;
+
+  const auto receipt = daemon.ask("plugin.reload", in_place);
+
+  EXPECT_EQ(receipt["state"], "applied") << receipt;
+  EXPECT_TRUE(receipt.contains("probation")) << receipt;
+  EXPECT_TRUE(runs_build(2)) << daemon.errors();
+  ASSERT_EQ(daemon.ask("change.confirm")["changed"], true);
+  EXPECT_TRUE(eventually([&] {
+    return daemon.errors().find("plugin trial unloaded: replaced by a new one") !=
+           std::string::npos;
+  })) << daemon.errors();
+}
+
+TEST_F(OfADevice, HaveTheBuildBeforeAgainWhenAReloadInPlaceIsUndone) {
+  ASSERT_TRUE(runs_build(1)) << daemon.errors();
+  daemon.install(2);
+  auto in_place = reload_;
+  in_place["in_place"] = true;
+  ASSERT_EQ(daemon.ask("plugin.reload", in_place)["state"], "applied");
+
+  EXPECT_EQ(daemon.ask("change.undo")["state"], "applied");
+
+  EXPECT_TRUE(runs_build(1)) << daemon.errors();
+  EXPECT_TRUE(eventually([&] {
+    return daemon.errors().find("plugin trial unloaded: its reload was rolled back") !=
+           std::string::npos;
+  })) << daemon.errors();
+  EXPECT_EQ(daemon.ask("plugin.reload", in_place)["state"], "applied") << "no former build is kept";
+}
+
+TEST_F(OfADevice, LeaveTheMemoryAtOnceWithoutAProbation) {
+  daemon.install(2);
+  auto in_place = reload_;
+  in_place["in_place"] = true;
+  in_place["probation"] = "off";
+
+  EXPECT_EQ(daemon.ask("plugin.reload", in_place)["state"], "applied");
+
+  EXPECT_TRUE(runs_build(2)) << daemon.errors();
+  EXPECT_TRUE(eventually([&] {
+    return daemon.errors().find("plugin trial unloaded: replaced by a new one") !=
+           std::string::npos;
+  })) << daemon.errors();
+}
+
+TEST(ChangeInPlace, IsRefusedUnlessItIsOfOneCore) {
+  TrialDaemon daemon;
+  const Json both = {{"values", {{"first.core.gain", 3.0}, {"second.core.gain", 3.0}}},
+                     {"in_place", true}};
+  const Json attribute = {{"values", {{"first.task.budget", "1ms"}}}, {"in_place", true}};
+
+  for (const auto& params : {both, attribute}) {
+    const auto refused = daemon.ask("param.set", params);
+    EXPECT_EQ(refused["data"]["where"], "in_place") << refused;
+    EXPECT_EQ(refused["data"]["state"], "unchanged");
+  }
+  const auto refused = daemon.ask("plugin.reload", {{"plugin", "trial"}, {"in_place", true}});
+  EXPECT_EQ(refused["data"]["where"], "in_place") << "two components run its code: " << refused;
+  EXPECT_EQ(daemon.ask("status.get")["generation"], 1);
+}
+
 }  // namespace
 }  // namespace mauve::test

@@ -5,6 +5,7 @@
 #include <mauve/request.h>
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -72,11 +73,15 @@ class Former final : public Steady {};
 /// Writes the sign of its input to a file, as a driver writes to its device.
 class Noting final : public Steady {
   mauve::Property<std::string> file{*this, "file", "", "its path"};
+  mauve::Property<bool> alone{*this, "alone", false, "only one core at a time can hold the file"};
   int open_ = -1;
 
   mauve::Status on_configure() override {
     open_ = ::open(file.get().c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
-    return open_ < 0 ? mauve::invalid(file, "cannot be opened") : mauve::ok();
+    if (open_ < 0) return mauve::invalid(file, "cannot be opened");
+    if (!alone || ::flock(open_, LOCK_EX | LOCK_NB) == 0) return mauve::ok();
+    ::close(std::exchange(open_, -1));
+    return mauve::invalid(file, "is held by another core");
   }
   void on_cleanup() override { ::close(open_); }
   void update() override {

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/change/change_in_place.h"
 
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
 #include "commands/answer.h"
 #include "commands/change/change_request.h"
 #include "commands/model.h"
@@ -86,6 +90,9 @@ void exchange_when_parked(Running& running, const CallPtr& call, ChangeRequestPt
 void park_in_place(Running& running, const CallPtr& call, ChangeRequestPtr request, Ticket ticket) {
   const auto& member = (**request->prepared).content().members.front();
   request->before.bundle = member.base;
+  if (member.type) {
+    request->before.type = member.component->type();
+  }
   if (request->change.probation) {
     exec::note_one_way(member.component->name(), *member.next->core, *member.base->core,
                        member.state, request->notes);
@@ -101,26 +108,79 @@ void park_in_place(Running& running, const CallPtr& call, ChangeRequestPtr reque
                 });
 }
 
+/// The core of exactly one component is made anew. A core that stays would be cleaned up in use.
+bool makes_one_core_anew(const Running& running, const Change& change) {
+  if (change.edits.size() != 1 || !change.fallbacks.empty()) {
+    return false;
+  }
+  const auto& edit = change.edits.front();
+  const auto sets = [&edit](std::string_view part) {
+    return std::ranges::any_of(edit.properties,
+                               [&](const auto& one) { return one.first.starts_with(part); });
+  };
+  return running.architecture.find_component(edit.member) != nullptr &&
+         (edit.core || edit.type || sets("core.") || sets("shell."));
+}
+
+/// The old core releases its devices before the new one begins, so a dry run has nothing to prepare
+/// and drop. The rollback takes as long as the change, so a late job does not trigger it.
+Status may_be_in_place(const Running& running, const Json& params, const Change& change) {
+  if (flag(params, "dry_run")) {
+    return refuse(
+        {Errc::unsupported, "in_place_not_foreseen"}, "dry_run",
+        "a change in place prepares the new core only when the old one has let go, so there "
+        "is nothing to foresee",
+        "leave out --in-place to see what a change beside the old core would do");
+  }
+  if (params.contains("misses")) {
+    return refuse({Errc::invalid_value, "in_place_without_misses"}, "misses",
+                  "the rollback from a change in place stops the component as long as the change "
+                  "did, so only a failure rolls back, not late jobs",
+                  "leave out --misses, or --in-place");
+  }
+  if (!makes_one_core_anew(running, change)) {
+    return refuse({Errc::unsupported, "in_place_of_one_core"}, "in_place",
+                  "a change in place makes the core of one component anew, and this change is of "
+                  "more, or of something else",
+                  "leave out --in-place, or change one core with each command");
+  }
+  return ok();
+}
+
 }  // namespace
 
-void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit edit,
-                    std::shared_ptr<ChangeHooks> hooks) {
+void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Change change,
+                    std::shared_ptr<ChangeHooks> hooks, PrepareInPlace prepare) {
   const auto probation = probation_of(call->params);
   if (!probation) {
     return answer(running, *call, probation.error());
   }
+  if (const auto sound = may_be_in_place(running, call->params, change); !sound) {
+    return answer(running, *call, sound.error());
+  }
   auto request = std::make_shared<ChangeRequest>();
   request->hooks = std::move(hooks);
-  request->change.edits.push_back(std::move(edit));
+  request->change = std::move(change);
   request->change.probation = *probation;
   if (auto allowed = may_begin(running, request->change); !allowed) {
     return answer(running, *call, allowed.error());
   }
   request->stops = stops_of(call->stops ? *call->stops : running.stops, request->change);
-  auto& only = request->change.edits[0];
+  auto& wanted = request->change;
   prepare_then(
       running, call, std::move(request), std::move(ticket),
-      [&running, &only] { return running.deployer.prepare_in_place(only); }, park_in_place);
+      [&running, &wanted, prepare = std::move(prepare)] {
+        return prepare ? prepare(wanted) : running.deployer.prepare_in_place(wanted.edits.front());
+      },
+      park_in_place);
+}
+
+void apply_as_asked(Running& running, const CallPtr& call, Ticket ticket, Change change,
+                    std::shared_ptr<ChangeHooks> hooks) {
+  if (flag(call->params, "in_place")) {
+    return apply_in_place(running, call, std::move(ticket), std::move(change), std::move(hooks));
+  }
+  apply(running, call, std::move(ticket), std::move(change), std::move(hooks));
 }
 
 }  // namespace mauve::daemon

@@ -10,6 +10,7 @@
 #include "mauve/host/architecture.h"
 #include "mauve/host/component.h"
 #include "mauve/host/resource.h"
+#include "state/builds.h"
 
 namespace mauve::daemon {
 
@@ -43,6 +44,11 @@ Status take_new_fallbacks(const plugin::LoadedPlugin& offered, Change& change) {
     fallback->core = found->second;
   }
   return ok();
+}
+
+/// "1.0.0 (build 3f2a91c4)"
+std::string build_in_words(const plugin::PluginInfo& info) {
+  return info.version + " (build " + short_build(info.build_id) + ")";
 }
 
 }  // namespace
@@ -103,6 +109,13 @@ Status take_new_types(const plugin::LoadedPlugin& offered, Change& change) {
     }
   }
   return ok();
+}
+
+arch::Line line_of_build(const Running& running, const plugin::LoadedPlugin& offered) {
+  const auto& info = offered.info();
+  const auto* now = running.catalog.find(info.name);
+  auto before = now == nullptr ? Value() : Value(build_in_words(now->info()));
+  return arch::make_line("plugin", info.name, std::move(before), build_in_words(info));
 }
 
 }  // namespace mauve::daemon

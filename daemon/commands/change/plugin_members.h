@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "arch/compare/change_lines.h"
 #include "commands/command.h"
 #include "mauve/host/change.h"
 
@@ -17,5 +18,8 @@ namespace mauve::daemon {
 /// [factory] Replaces the types of the edits, and those of fallback cores, with the types of a new
 /// build of the plugin. An error names a type that the build lacks.
 Status take_new_types(const plugin::LoadedPlugin& offered, Change& change);
+
+/// [control] The difference between the build of a plugin that has its names and this new one.
+[[nodiscard]] arch::Line line_of_build(const Running& running, const plugin::LoadedPlugin& offered);
 
 }  // namespace mauve::daemon

@@ -8,7 +8,7 @@
 #include "arch/parse/unit_hint.h"
 #include "arch/text/value_json.h"
 #include "commands/answer.h"
-#include "commands/change/change.h"
+#include "commands/change/change_in_place.h"
 #include "commands/change/policies.h"
 #include "commands/model.h"
 #include "commands/path_rule.h"
@@ -109,7 +109,7 @@ void set(Running& running, const CallPtr& call, Ticket ticket) {
   if (!change) {
     return answer(running, *call, change.error());
   }
-  apply(running, call, std::move(ticket), *std::move(change));
+  apply_as_asked(running, call, std::move(ticket), *std::move(change));
 }
 
 }  // namespace mauve::daemon

@@ -115,25 +115,6 @@ class Properties final : public ChangeHooks {
   Json gone_ = Json::array();
 };
 
-/// The old core releases its devices before the new one begins, so a dry run has nothing to prepare
-/// and drop. The rollback takes as long as the swap, so a late job does not trigger it.
-Status may_be_in_place(const Json& params) {
-  if (flag(params, "dry_run")) {
-    return refuse(
-        {Errc::unsupported, "in_place_not_foreseen"}, "dry_run",
-        "a swap in place prepares the new core only when the old one has let go, so there "
-        "is nothing to foresee",
-        "leave out --in-place to see what a swap beside the old core would do");
-  }
-  if (params.contains("misses")) {
-    return refuse({Errc::invalid_value, "in_place_without_misses"}, "misses",
-                  "the rollback from a swap in place stops the component as long as the swap did, "
-                  "so only a failure rolls back, not late jobs",
-                  "leave out --misses, or --in-place");
-  }
-  return ok();
-}
-
 }  // namespace
 
 void swap_core(Running& running, const CallPtr& call, Ticket ticket) {
@@ -141,17 +122,9 @@ void swap_core(Running& running, const CallPtr& call, Ticket ticket) {
   if (!edit) {
     return answer(running, *call, edit.error());
   }
-  const bool in_place = flag(call->params, "in_place");
-  if (const auto sound = in_place ? may_be_in_place(call->params) : ok(); !sound) {
-    return answer(running, *call, sound.error());
-  }
   auto properties =
       std::make_shared<Properties>(*running.architecture.find_component(edit->member), *edit);
-  if (in_place) {
-    return apply_in_place(running, call, std::move(ticket), *std::move(edit),
-                          std::move(properties));
-  }
-  apply(running, call, std::move(ticket), {{*std::move(edit)}}, std::move(properties));
+  apply_as_asked(running, call, std::move(ticket), {{*std::move(edit)}}, std::move(properties));
 }
 
 }  // namespace mauve::daemon

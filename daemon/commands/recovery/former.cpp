@@ -36,21 +36,21 @@ std::string on_file(const plugin::PluginInfo& undone, const plugin::PluginInfo& 
          " loads this file: put build " + short_build(former.build_id) + " in its place";
 }
 
-/// The former build has its names again. Returns the code that loses them.
-Former::Leaving restore_names(Running& running, plugin::LoadedPlugin former) {
+/// The former build has its names again, and the code that loses them is let go.
+void restore_names(Running& running, plugin::LoadedPlugin former) {
   const auto info = former.info();
   auto failed = running.catalog.exchange(std::move(former));
   if (!failed || !*failed) {
     running.log.write(
         Event::plugin_resident,
         {{"plugin", info.name}, {"text", failed ? "its names are gone" : failed.error().message}});
-    return {};
+    return;
   }
   running.log.write(Event::plugin_given_back, {{"plugin", info.name},
                                                {"version", info.version},
                                                {"build", info.build_id},
                                                {"text", on_file((*failed)->info(), info)}});
-  return {(*failed)->library(), {}, "its reload was rolled back"};
+  let_go(running, (*failed)->library(), "its reload was rolled back");
 }
 
 }  // namespace
@@ -73,6 +73,12 @@ Status check_former(const Running& running, const std::string& plugin) {
                     ", which is on probation: the build before is kept for its rollback, and one "
                     "only can be kept",
                 "mauvectl confirm, or mauvectl undo, then reload again");
+}
+
+void let_go(Running& running, std::shared_ptr<Library> library, std::string text) {
+  MAUVE_ON_THREAD(control);
+  running.former.leaving.push_back(
+      {std::move(library), std::chrono::steady_clock::now(), std::move(text)});
 }
 
 void keep_former(Running& running, plugin::LoadedPlugin former) {
@@ -124,13 +130,10 @@ void let_former_go(Running& running, const Outcome& outcome) {
     }
     auto former = std::move(one->second.plugin);
     one = kept.erase(one);
-    Former::Leaving leaving{former.library(), {}, "replaced by a new one, which has proved itself"};
     if (outcome.kind == Outcome::Kind::rolled_back) {
-      leaving = restore_names(running, std::move(former));
-    }
-    leaving.since = std::chrono::steady_clock::now();
-    if (leaving.library != nullptr) {
-      running.former.leaving.push_back(std::move(leaving));
+      restore_names(running, std::move(former));
+    } else {
+      let_go(running, former.library(), "replaced by a new one, which has proved itself");
     }
   }
 }

@@ -48,6 +48,10 @@ struct Former {
 /// [control] The reload that made the generation in force is on probation.
 void keep_former(Running& running, plugin::LoadedPlugin former);
 
+/// [control] The code of this library has no names any more. Its memory is freed when no thread
+/// looks at it; the log then says `text`.
+void let_go(Running& running, std::shared_ptr<plugin::Library> library, std::string text);
+
 /// [control] A note on each plugin whose reload is one of these changes: undone, it leaves its file
 /// as it is.
 [[nodiscard]] std::vector<std::string> notes_on_files(const Running& running,

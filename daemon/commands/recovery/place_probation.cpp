@@ -167,8 +167,8 @@ bool roll_back(Running& running, PlaceProbation& place, const PlaceFailure& why)
     running.control.in_factory(
         [&running, way] {
           const auto& from = way->place;
-          way->prepared =
-              running.deployer.prepare_back_in_place(from.component, from.before.bundle);
+          way->prepared = running.deployer.prepare_back_in_place(from.component, from.before.bundle,
+                                                                 from.before.type);
         },
         [&running, way, ticket]() mutable { park(running, std::move(way), std::move(ticket)); },
         [&running, place = way->place, ticket](const std::string& hook) {

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "mauve/host/component.h"
 #include "mauve/host/probation.h"
 #include "mauve/host/report.h"
 #include "mauve/result.h"
@@ -42,7 +43,8 @@ struct FailureMark {
 /// The core that a swap in place replaced.
 struct CoreBefore {
   std::shared_ptr<const Bundle> bundle;
-  bool ran = false;  ///< the component ran until the swap
+  std::optional<ComponentType> type = {};  ///< of its component; none: the swap leaves it as it is
+  bool ran = false;                        ///< the component ran until the swap
   FailureMark failure;
 };
 

@@ -357,8 +357,9 @@ Result<PreparedChange> Deployer::prepare_in_place(const Edit& edit) {
 }
 
 Result<PreparedChange> Deployer::prepare_back_in_place(std::string_view component,
-                                                       std::shared_ptr<const Bundle> before) {
-  return exec::prepare_back_in_place(*system_, component, std::move(before));
+                                                       std::shared_ptr<const Bundle> before,
+                                                       std::optional<ComponentType> type) {
+  return exec::prepare_back_in_place(*system_, component, std::move(before), std::move(type));
 }
 
 std::shared_ptr<Ongoing> Deployer::begin_in_place_park(PreparedChange& change) {

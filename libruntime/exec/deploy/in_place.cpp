@@ -2,7 +2,8 @@
 /// Swap in place: the paper's way, for hardware that only one core can hold at a time.
 #include "exec/deploy/in_place.h"
 
-#include <array>
+#include <utility>
+#include <vector>
 
 #include "exec/commit/commit.h"
 
@@ -23,10 +24,20 @@
 namespace mauve::exec {
 namespace {
 
-Status configure_pair(const Bundle& bundle) {
+using Elements = std::vector<Configurable*>;
+
+/// The elements of a bundle that the other one does not have. A shell may be in both.
+Elements elements_of(const Bundle& bundle, const Bundle& other) {
+  Elements elements;
+  if (bundle.shell != other.shell) elements.push_back(bundle.shell.get());
+  elements.push_back(bundle.core.get());
+  elements.push_back(bundle.fsm.get());
+  return elements;
+}
+
+Status configure(const Elements& elements) {
   const NoPorts no_ports;
-  const std::array<Configurable*, 2> order{bundle.core.get(), bundle.fsm.get()};
-  return configure_in_order(order);
+  return configure_in_order(elements);
 }
 
 ComponentState state_of(System& system, const ComponentBase& component) {
@@ -57,7 +68,8 @@ Result<PreparedChange> prepare_in_place(System& system, const Edit& edit) {
 }
 
 Result<PreparedChange> prepare_back_in_place(System& system, std::string_view component,
-                                             std::shared_ptr<const Bundle> before) {
+                                             std::shared_ptr<const Bundle> before,
+                                             std::optional<ComponentType> type) {
   MAUVE_ON_THREAD(factory);
   const ModelLock::Hold hold(system.model);
   if (!hold)
@@ -67,6 +79,7 @@ Result<PreparedChange> prepare_back_in_place(System& system, std::string_view co
   if (!found) return found.error();
   PreparedMember member = member_of(**found, Mode::keep);
   member.next = std::move(before);
+  member.type = std::move(type);
   member.restores = true;
   member.restart = true;
   const CoreBase& from = *member.base->core;
@@ -102,16 +115,16 @@ std::shared_ptr<Ongoing> begin_in_place_park(System& system, PreparedChange& cha
 
 Status in_place_exchange(PreparedChange& change) {
   const PreparedMember& member = change.content().members.front();
-  const std::array<Configurable*, 2> old{member.base->core.get(), member.base->fsm.get()};
+  const Elements old = elements_of(*member.base, *member.next);
   const Inside inside;
   if (!inside)
     return refuse({Errc::timed_out, "preparation_abandoned"}, member.component->name(),
                   "was dropped before: its thread was abandoned");
   Status configured = cleanup_in_reverse(old);
-  if (!abandoned_here()) configured = configure_pair(*member.next);
+  if (!abandoned_here()) configured = configure(elements_of(*member.next, *member.base));
   // When the thread was abandoned, the component stays parked, without its old core.
   if (configured || abandoned_here() || member.restores) return configured;
-  if (Status back = configure_pair(*member.base); !back) {
+  if (Status back = configure(old); !back) {
     configured.error().message +=
         "; and the old core could not be configured again: " + back.error().message;
     configured.error().code = Errc::wrong_state;

@@ -22,7 +22,8 @@ class System;
 Result<PreparedChange> prepare_in_place(System& system, const Edit& edit);
 /// [factory] The core before, which is configured again.
 Result<PreparedChange> prepare_back_in_place(System& system, std::string_view component,
-                                             std::shared_ptr<const Bundle> before);
+                                             std::shared_ptr<const Bundle> before,
+                                             std::optional<ComponentType> type);
 /// [control]
 [[nodiscard]] std::shared_ptr<Ongoing> begin_in_place_park(System& system, PreparedChange& change);
 /// [factory] Cleans the old core up and configures the new one, or the old one again.

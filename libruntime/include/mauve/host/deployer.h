@@ -193,9 +193,11 @@ class Deployer {
   Result<PreparedChange> prepare_in_place(const Edit& edit);
   /// Step 1 of the rollback: to the core and state machine that a swap in place cleaned up, in the
   /// bundle that the component had before. A component that has faulted runs again afterwards. The
-  /// state goes along where the core before takes it. [factory]
+  /// state goes along where the core before takes it. `type`: of the component before, where the
+  /// swap replaced it by that of a newer build. [factory]
   Result<PreparedChange> prepare_back_in_place(std::string_view component,
-                                               std::shared_ptr<const Bundle> before);
+                                               std::shared_ptr<const Bundle> before,
+                                               std::optional<ComponentType> type = {});
 
   /// [log] Takes the events since the last call. One caller.
   std::size_t drain(const std::function<void(const RuntimeEvent&)>& visit);

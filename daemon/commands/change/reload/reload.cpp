@@ -17,6 +17,7 @@
 #include "commands/change/change_request.h"
 #include "commands/change/plugin_members.h"
 #include "commands/change/policies.h"
+#include "commands/change/reload/reload_in_place.h"
 #include "commands/change/trial.h"
 #include "commands/lock.h"
 #include "commands/model.h"
@@ -65,18 +66,9 @@ void prepare(Running& running, Reload& reload) {
   }
 }
 
-/// "1.0.0 (build 3f2a91c4)"
-std::string build_of(const plugin::PluginInfo& info) {
-  constexpr std::size_t kEnough = 8;
-  return info.version + " (build " + info.build_id.substr(0, kEnough) + ")";
-}
-
 /// [control]
 std::vector<arch::Line> lines_of_reload(const Running& running, Reload& reload) {
-  const auto* now = running.catalog.find(reload.name);
-  auto before = now == nullptr ? Value() : Value(build_of(now->info()));
-  std::vector<arch::Line> lines = {arch::make_line("plugin", reload.name, std::move(before),
-                                                   build_of((*reload.loaded)->info()))};
+  std::vector<arch::Line> lines = {line_of_build(running, **reload.loaded)};
   if (reload.prepared) {
     std::ranges::move(lines_of(running, **reload.prepared), std::back_inserter(lines));
   }
@@ -315,6 +307,10 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
            ticket = std::move(ticket)] {
             reload->change = members_of(running, reload->name, policy);
             reload->change.made_from = running.deployer.generation();
+            if (flag(call->params, "in_place")) {
+              return reload_in_place(running, call, ticket, reload->name,
+                                     std::move(reload->change));
+            }
             if (!reload->change.edits.empty()) {
               reload->change.probation = probation;
             }
