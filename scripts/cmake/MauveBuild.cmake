@@ -96,7 +96,7 @@ add_custom_target(tsan_tests)
 function(mauve_test name)
   cmake_parse_arguments(ARG "SERIAL" "TIMEOUT" "SOURCES;LINKS;LABELS;ENVIRONMENT;DEPENDS" ${ARGN})
   if(NOT ARG_TIMEOUT)
-    set(ARG_TIMEOUT 120)
+    set(ARG_TIMEOUT 300)
   endif()
   if(rt IN_LIST ARG_LABELS OR campaign IN_LIST ARG_LABELS)
     set(ARG_SERIAL TRUE)  # true timing needs the machine for itself
@@ -126,7 +126,7 @@ function(mauve_test name)
   if(campaign IN_LIST ARG_LABELS)
     set(prefix TEST_PREFIX "${name}.")  # its short form has tests of the same names
   endif()
-  gtest_discover_tests(${name} ${prefix} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 TEST_LIST ${name}_TESTS
+  gtest_discover_tests(${name} ${prefix} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 300 TEST_LIST ${name}_TESTS
     WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}" PROPERTIES TIMEOUT ${ARG_TIMEOUT})
   # Properties that are lists do not survive gtest_discover_tests; they are set on what it found.
   set(properties "${CMAKE_CURRENT_BINARY_DIR}/${name}_properties.cmake")

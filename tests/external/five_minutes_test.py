@@ -33,8 +33,9 @@ def commands(readme):
         if line in made + packages:
             continue
         if "Ctrl-C ends it" in line:
-            line = f"{{ timeout --preserve-status --signal=INT 1 {line}\n}} || test $? = 130"
-        script.append(re.sub(r"--for \d+s", "--for 1s", line))
+            line = f"{{ timeout --preserve-status --signal=INT 10 {line}\n}} || test $? = 130"
+        line = re.sub(r"--wait \d+s", "--wait 60s", line)  # beside builds, a start takes longer than a reader's
+        script.append(re.sub(r"--for \d+s", "--for 5s", line))
     return script
 
 
@@ -53,7 +54,7 @@ def run(script, home):
                           stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, start_new_session=True) as bash:
         try:
-            output = bash.communicate(timeout=240)[0]
+            output = bash.communicate(timeout=1100)[0]
         finally:
             if bash.poll() != 0:
                 with contextlib.suppress(ProcessLookupError):  # nothing is left of it

@@ -145,7 +145,7 @@ def run(prepare, commands, home):
                           errors="replace", stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                           start_new_session=True) as bash:
         try:
-            output = bash.communicate(timeout=540)[0]
+            output = bash.communicate(timeout=1100)[0]
         except subprocess.TimeoutExpired:
             os.killpg(bash.pid, signal.SIGKILL)
             output = bash.communicate()[0]

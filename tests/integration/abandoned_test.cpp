@@ -9,10 +9,11 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Gives up after a second. While the file `gate` is there, the stuck cores of "trial" are stuck.
+/// Gives up after three seconds, which no hook that returns takes. While the file `gate` is there,
+/// the stuck cores of "trial" are stuck.
 class Abandoned : public testing::Test {
  protected:
-  void begin(const std::string& within = "1s", const std::string& architecture = kTrial) {
+  void begin(const std::string& within = "3s", const std::string& architecture = kTrial) {
     setenv("MAUVE_TRIAL_WAITS", gate_.c_str(), 1);
     daemon_ = std::make_unique<TrialDaemon>(
         architecture, std::vector<std::string>{"--realtime", "off", "--prepare-within", within});
@@ -113,7 +114,7 @@ TEST_F(Abandoned, ARuleDoesNotTryAgain) {
       "when": "second.state == stopped", "cool_down": "1ms",
       "do": [{ "swap": "first", "core": "trial/stuck_constructor" }] }],
     )");
-  begin("1s", supervised);
+  begin("3s", supervised);
   const auto rule = [this] { return ask("rules.list")["items"][0]; };
 
   ask("component.stop", {{"components", {"second"}}});
@@ -129,12 +130,11 @@ TEST_F(Abandoned, ARuleDoesNotTryAgain) {
 TEST_F(Abandoned, EndsInBoundedTimeWithAnAbandonedThread) {
   begin();
   ASSERT_EQ(swap_to_stuck()["data"]["name"], "timed_out");
-  const auto start = std::chrono::steady_clock::now();
 
   daemon_->process().signal(SIGTERM);
 
   EXPECT_EQ(daemon_->process().wait(), 1) << "a thread was abandoned";
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(8)) << "without force";
+  EXPECT_THAT(daemon_->errors(), testing::Not(HasSubstr("without waiting any longer")));
   EXPECT_THAT(daemon_->errors(), HasSubstr("first.core on_configure did not return in time"));
   EXPECT_THAT(daemon_->errors(), HasSubstr("info    stopped"));
 }
@@ -216,7 +216,7 @@ TEST_F(Abandoned, IsAChangeWhoseStandbyCoreIsNotReady) {
   std::string text(kTrial);
   const std::string first = R"("first":  { "type": "trial/unit",)";
   open();
-  begin("1s", text.replace(text.find(first), first.size(),
+  begin("3s", text.replace(text.find(first), first.size(),
                            first + R"( "task": { "on_fault": "fallback" }, "fallback_core":
                            { "core": "trial/stuck", "properties": { "core.while_there": ")" +
                                gate_ + R"(" } },)"));
@@ -232,7 +232,7 @@ TEST_F(Abandoned, IsAChangeWhoseStandbyCoreIsNotReady) {
 }
 
 TEST_F(Abandoned, TooOftenRefusesWhatIsNewButNeverAStop) {
-  begin("100ms");
+  begin("1s");
   for (int i = 0; i < 2; ++i) {
     ASSERT_EQ(swap_to_stuck()["data"]["name"], "timed_out");
   }

@@ -80,7 +80,7 @@ TEST_F(Generations, ThatCannotBeMadeAnyMoreArePassedOverAtOnce) {
   const auto gate = (place_ / "gate").string();
   setenv("MAUVE_TRIAL_WAITS", gate.c_str(), 1);
   TrialDaemon daemon(
-      kTrial, {"--realtime", "off", "--state-dir", state().string(), "--prepare-within", "1s"});
+      kTrial, {"--realtime", "off", "--state-dir", state().string(), "--prepare-within", "5s"});
   ASSERT_EQ(daemon.ask("change.confirm")["saved"], true);
   ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);
   const auto swapped = daemon.ask(
@@ -94,7 +94,7 @@ TEST_F(Generations, ThatCannotBeMadeAnyMoreArePassedOverAtOnce) {
 
   EXPECT_EQ(daemon.value("first.core.gain"), 3.0) << daemon.errors();
   EXPECT_THAT(daemon.errors(), HasSubstr("generation 3 cannot be started"));
-  EXPECT_THAT(daemon.errors(), HasSubstr("constructor did not return within 1s"));
+  EXPECT_THAT(daemon.errors(), HasSubstr("constructor did not return within 5s"));
   unsetenv("MAUVE_TRIAL_WAITS");
 }
 

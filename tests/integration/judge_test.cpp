@@ -21,7 +21,7 @@ std::string with_core(const std::string& core) {
 /// mauved with a core that hangs while a file of the test is there.
 class Judging : public testing::Test {
  protected:
-  void SetUp() override { begin("4s"); }
+  void SetUp() override { begin("60s"); }
   void begin(const std::string& within) {
     setenv("MAUVE_TRIAL_WAITS", gate_.c_str(), 1);
     daemon_ = std::make_unique<TrialDaemon>(
@@ -67,6 +67,7 @@ TEST_F(Judging, NotesWhatAStartNotes) {
 }
 
 TEST_F(Judging, OutlivesAConstructorThatDoesNotReturn) {
+  begin("4s");
   expect_refused("trial/stuck_constructor", "timed_out", "constructor did not return within 4s");
 }
 
@@ -131,7 +132,6 @@ TEST_F(Judging, HasABoundOnMemory) {
 }
 
 TEST_F(Judging, LooksAtTwoFilesOfAUserAtATimeAndNeverHoldsUpAChange) {
-  begin("60s");
   auto client = daemon_->client();
   const auto text = with_core("trial/stuck_constructor");
   for (int id = 1; id <= 4; ++id) {
@@ -158,7 +158,6 @@ TEST_F(Judging, LooksAtTwoFilesOfAUserAtATimeAndNeverHoldsUpAChange) {
 }
 
 TEST_F(Judging, DoesNotHoldUpTheEnd) {
-  begin("60s");
   auto client = daemon_->client();
   const auto text = with_core("trial/stuck_constructor");
   ASSERT_TRUE(
@@ -172,6 +171,7 @@ TEST_F(Judging, DoesNotHoldUpTheEnd) {
 
 /// An apply first tries the elements that it would make.
 TEST_F(Judging, TriesTheElementsOfAnApplyBeforeTheyAreMadeInTheDaemon) {
+  begin("10s");
   auto cores = std::vector<std::string>{"trial/exiting_constructor", "trial/stuck_constructor"};
   if (rt::kGuardsFaults) cores.emplace_back("trial/crashing_constructor");
   for (const auto& core : cores) {

@@ -42,7 +42,7 @@ def shown_by_browser(svg, folder):
     shown = subprocess.run(
         [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
          f"--user-data-dir={folder / 'profile'}", "--dump-dom", page.as_uri()],
-        capture_output=True, text=True, check=True, timeout=100)
+        capture_output=True, text=True, check=True, timeout=500)
     text = re.search(r'<pre id="seen">(.*?)</pre>', shown.stdout, re.DOTALL).group(1)
     return json.loads(text.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&"))
 

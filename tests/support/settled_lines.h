@@ -32,14 +32,15 @@ class SettledLines {
   SettledLines& operator=(const SettledLines&) = delete;
 
   /// The kernel carries bytes of all lines in their order: when ours has come, so have those before
-  /// it. Then until no thread but this one has anything left to do. Not for ever.
+  /// it. Then until no thread but this one has anything left to do, also where other programs have
+  /// both processors for a while. Not for ever.
   void wait() const {
     char byte = 0;
     pollfd come{far_, POLLIN, 0};
-    if (::write(near_, &byte, 1) == 1 && ::poll(&come, 1, 1000) == 1) {
+    if (::write(near_, &byte, 1) == 1 && ::poll(&come, 1, 10'000) == 1) {
       static_cast<void>(::read(far_, &byte, 1) == 1);
     }
-    static_cast<void>(eventually(others_sleep, std::chrono::milliseconds(100)));
+    static_cast<void>(eventually(others_sleep, std::chrono::seconds(10)));
   }
 
  private:
