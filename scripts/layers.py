@@ -45,7 +45,7 @@ FOLDERS = {"libruntime/include": "public", "daemon/protocol": "protocol", "daemo
            "daemon": "daemon", "guardian": "guardian", "ctl": "ctl", "examples": "examples", "man": "man", "plugins": "plugins", "serial": "serial", "tests": "tests", "scripts": "tests",
            **{f"libruntime/{name}": name for name in RUNTIME.split()[1:]}}
 # A layer in rooms: its folders from the lowest to the highest. A room includes those before it, and no other.
-STAIRS = {"libruntime/rt": "process thread time machine ring guardian",
+STAIRS = {"libruntime/rt": "process thread calls time machine ring guardian",
           "libruntime/model": "job element port resource component",
           "libruntime/plugin": "elf load stamp",
           "libruntime/arch": "text parse compare build",
@@ -63,7 +63,7 @@ ROOMS = {
     "yaml-cpp/": "plugins/",
     **{f"{room}/": "plugins/ros/" for room in
        ("ros", "geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs")},
-    "dlfcn.h": "libruntime/plugin/ libruntime/rt/thread/ends libruntime/rt/thread/process_wide libruntime/rt/thread/user_threads",
+    "dlfcn.h": "libruntime/plugin/ libruntime/rt/thread/ends libruntime/rt/calls/original libruntime/rt/thread/user_threads",
     "link.h": "libruntime/plugin/ libruntime/rt/thread/run_guarded libruntime/rt/thread/user_threads",
     "csetjmp": "libruntime/rt/thread/run_guarded",
     "setjmp.h": "libruntime/rt/thread/run_guarded",

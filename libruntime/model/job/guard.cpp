@@ -14,12 +14,12 @@ Error crashed(const std::string& at, const char* hook, const rt::Fault& fault) {
                   std::string(hook) + " did not return, so it was ended",
                   "correct it; the log says whether the change is in force");
   }
-  std::array<char, 96> text{};
+  std::array<char, 160> text{};
   rt::describe(fault, text.data(), text.size());
   const std::string how = fault.call != nullptr ? " called " : " crashed: ";
-  if (fault.of_process) {
+  if (fault.because != nullptr) {
     return refuse({Errc::hook_threw, "hook_changes_process"}, at, hook + how + text.data(),
-                  "take the call out of the code: it is for the one who starts mauved");
+                  "take the call out of the code");
   }
   const bool full = fault.signal == SIGSEGV && rt::below_stack(fault.address);
   return refuse(

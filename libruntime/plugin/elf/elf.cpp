@@ -289,7 +289,7 @@ Result<Facts> inspect(std::span<const std::byte> bytes, std::string_view name) {
   if (good) good = check_relocations(*file);
   if (!good) return good.error();
 
-  Facts facts{manifest, build_id(*file), {}};
+  Facts facts{manifest, build_id(*file), {}, file->needed()};
   if ((file->dynamic(DT_FLAGS_1).value_or(0) & DF_1_NODELETE) != 0) {
     facts.warnings.emplace_back("linked with -z nodelete: a reload cannot unmap it");
   }

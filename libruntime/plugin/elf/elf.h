@@ -18,6 +18,7 @@ struct Facts {
   PluginManifest manifest;
   std::string build_id;               ///< hexadecimal; empty when the linker wrote none
   std::vector<std::string> warnings;  ///< allowed, but it will hurt
+  std::vector<std::string> needed;    ///< names of libraries
 };
 
 /// Refused: a file that is not a whole shared object of this machine; no manifest, or one of

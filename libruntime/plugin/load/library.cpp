@@ -5,7 +5,6 @@
 #include <link.h>
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <set>
 #include <string_view>
@@ -17,6 +16,7 @@
 #include "plugin/elf/elf.h"
 #include "plugin/elf/elf_file.h"
 #include "plugin/load/prefault.h"
+#include "plugin/load/system_libraries.h"
 
 namespace mauve::plugin {
 
@@ -59,18 +59,16 @@ std::set<std::string> loaded_objects() {
   return names;
 }
 
-/// Where the package manager puts libraries, and nobody else should.
-bool is_of_the_system(const std::string& path) {
-  constexpr std::array<std::string_view, 4> kFolders{"/lib/", "/lib64/", "/usr/lib/",
-                                                     "/usr/lib64/"};
-  return std::ranges::any_of(kFolders, [&](auto folder) { return path.starts_with(folder); });
-}
-
 /// A library that came with the plugin is not in its file: a reload would go on with the old code,
-/// and who overwrites it ends mauved with SIGBUS.
-Status check_companions(const std::set<std::string>& before, const std::string& plugin) {
+/// and who overwrites it ends mauved with SIGBUS. One that an earlier plugin left behind is none of
+/// the program either.
+Status check_companions(const std::set<std::string>& before, const std::string& plugin,
+                        const std::vector<std::string>& needed) {
+  static const std::set<std::string> of_the_program = before;
   for (const std::string& object : loaded_objects()) {
-    if (before.contains(object) || object == plugin || is_of_the_system(object)) continue;
+    const bool needs = std::ranges::count(needed, object.substr(object.rfind('/') + 1)) > 0;
+    if (object == plugin || is_of_the_system(object) || of_the_program.contains(object)) continue;
+    if (before.contains(object) && !needs) continue;
     return refuse({Errc::plugin_refused, "plugin_needs_library"}, {},
                   "needs " + object + ", which is not a library of the system",
                   "link its sources, or a static library, into the plugin: a reload renews the "
@@ -105,7 +103,7 @@ Result<std::shared_ptr<Library>> Library::open(const PluginFile& file) {
   if (!image) return refused(image.error());
   library->image_ = *std::move(image);
   info.serial = library->image_.serial();
-  if (Status mapped = library->map(file.name, facts->manifest.checksum); !mapped) {
+  if (Status mapped = library->map(*facts, file.name); !mapped) {
     return refused(mapped.error());
   }
   if (Status good = library->declare(facts->manifest); !good) return refused(good.error());
@@ -120,14 +118,14 @@ std::shared_ptr<Library> Library::compiled_in(Plugin plugin) {
   return library;
 }
 
-Status Library::map(const std::string& name, std::uint64_t build) {
+Status Library::map(const Facts& facts, const std::string& name) {
   const std::string path = image_.path();
   const std::set<std::string> before = loaded_objects();
   handle_ = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle_ == nullptr) return cannot_link(dlerror(), path);
-  if (Status alone = check_companions(before, path); !alone) return alone;
+  if (Status alone = check_companions(before, path, facts.needed); !alone) return alone;
   code_ = rt::code_around(dlsym(handle_, "mauve_plugin"));
-  declared_ = std::make_unique<Plugin>(name, build);
+  declared_ = std::make_unique<Plugin>(name, facts.manifest.checksum);
   return ok();
 }
 

@@ -19,6 +19,8 @@
 
 namespace mauve::plugin {
 
+struct Facts;
+
 /// Facts about a plugin that messages and answers show.
 struct PluginInfo {
   std::string name;
@@ -76,7 +78,7 @@ class Library {
   using Users = std::list<User>;
 
   Library() = default;
-  Status map(const std::string& name, std::uint64_t build);
+  Status map(const Facts& facts, const std::string& name);
   Status declare(const PluginManifest& checked);
 
   PluginInfo info_;

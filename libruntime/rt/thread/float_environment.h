@@ -20,4 +20,23 @@ inline void use_default_float_environment() {
 #endif
 }
 
+/// That of the calling thread, at the time of its construction. 4 ns. [any]
+class FloatEnvironment {
+ public:
+#if defined(__x86_64__)
+  FloatEnvironment() { asm volatile("stmxcsr %0\n\tfnstcw %1" : "=m"(sse_), "=m"(x87_)); }
+  void put_back() const { asm volatile("ldmxcsr %0\n\tfldcw %1" : : "m"(sse_), "m"(x87_)); }
+
+ private:
+  unsigned sse_ = 0;
+  unsigned short x87_ = 0;
+#else
+  FloatEnvironment() { std::fegetenv(&environment_); }
+  void put_back() const { std::fesetenv(&environment_); }
+
+ private:
+  std::fenv_t environment_{};
+#endif
+};
+
 }  // namespace mauve::rt

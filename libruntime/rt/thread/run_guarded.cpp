@@ -13,6 +13,8 @@
 #include <string_view>
 
 #include <link.h>
+#include <locale.h>
+#include <sys/syscall.h>
 #include <ucontext.h>
 #include <unistd.h>
 
@@ -30,6 +32,27 @@ struct Frame {
   const Watched* watched;
   Frame* outer;
   Fault fault;
+  sigset_t mask;  // from before the body, once that changes it
+  bool mask_kept = false;
+};
+
+/// Not by pthread_sigmask(), which libmauve has replaced for bodies.
+void set_mask(int how, const sigset_t* set, sigset_t* before) {
+  constexpr std::size_t kSignalBytes = 8;
+  syscall(SYS_rt_sigprocmask, how, set, before, kSignalBytes);
+}
+
+/// A body may change this of its thread, and no call of it could be refused.
+class ThreadState {
+ public:
+  void put_back() const {
+    floats_.put_back();
+    if (uselocale(nullptr) != locale_) uselocale(locale_);
+  }
+
+ private:
+  FloatEnvironment floats_;
+  locale_t locale_ = uselocale(nullptr);
 };
 
 /// Of the innermost body that this thread runs; null: none.
@@ -107,8 +130,7 @@ std::uintptr_t instruction_of(const void* context) {
 sigset_t all_of_ours() {
   sigset_t set;
   sigemptyset(&set);
-  for (const int signal : kFaults) sigaddset(&set, signal);
-  sigaddset(&set, kInterrupt);
+  for (const int signal : kSignalsOfBodies) sigaddset(&set, signal);
   return set;
 }
 
@@ -117,7 +139,7 @@ sigset_t all_of_ours() {
   frame.fault = fault;
   this_frame() = frame.outer;
   const sigset_t set = all_of_ours();
-  pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
+  set_mask(SIG_UNBLOCK, &set, nullptr);
   siglongjmp(frame.buffer, 1);
 }
 
@@ -180,8 +202,8 @@ void describe(const Fault& fault, char* text, std::size_t room) {
   if (fault.call != nullptr && fault.status != 0) {
     std::snprintf(text, room, "%s(%d)", fault.call, fault.status);
   } else if (fault.call != nullptr) {
-    std::snprintf(text, room, "%s()%s", fault.call,
-                  fault.of_process ? ", which changes the whole process" : "");
+    std::snprintf(text, room, "%s()%s%s", fault.call, fault.because != nullptr ? ", " : "",
+                  fault.because != nullptr ? fault.because : "");
   } else if (fault.signal == 0) {
     std::snprintf(text, room, "exit()");
   } else if (fault.sent) {
@@ -193,19 +215,31 @@ void describe(const Fault& fault, char* text, std::size_t room) {
 }
 
 Fault run_guarded(void (*body)(void*), void* argument, const Watched& watched) {
+  const ThreadState before;
   use_default_float_environment();
   if constexpr (!kGuardsFaults) {
     body(argument);
+    before.put_back();
     return {};
   }
   Frame frame;
   frame.watched = &watched;
   frame.outer = this_frame();
-  if (sigsetjmp(frame.buffer, 0) != 0) return frame.fault;
-  this_frame() = &frame;
-  body(argument);
-  this_frame() = frame.outer;
-  return {};
+  if (sigsetjmp(frame.buffer, 0) == 0) {
+    this_frame() = &frame;
+    body(argument);
+    this_frame() = frame.outer;
+  }
+  before.put_back();
+  if (frame.mask_kept) set_mask(SIG_SETMASK, &frame.mask, nullptr);
+  return frame.fault;
+}
+
+void keep_mask() {
+  Frame* const frame = this_frame();
+  if (frame == nullptr || frame->mask_kept) return;
+  set_mask(SIG_BLOCK, nullptr, &frame->mask);
+  frame->mask_kept = true;
 }
 
 void forget_bodies() { this_frame() = nullptr; }

@@ -37,8 +37,9 @@ struct Fault {
   bool interrupted = false;    ///< by the guard
   bool sent = false;           ///< by kill(), not by an instruction
   const char* call = nullptr;  ///< it called this function, which ends a thread or the process
-  bool of_process = false;     ///< the function ends nothing, and changes the whole process
-  int status = 0;              ///< the argument of exit()
+  const char* because =
+      nullptr;     ///< the function ends nothing, and may not be called for this reason
+  int status = 0;  ///< the argument of exit()
 
   [[nodiscard]] bool happened() const { return signal != 0 || call != nullptr; }
 };
@@ -46,6 +47,10 @@ struct Fault {
 /// "SIGSEGV at address 0x10" or "exit(3)", cut to the room there is. Async-signal-safe enough for
 /// the crash handler.
 void describe(const Fault& fault, char* text, std::size_t room);
+
+/// The signals of faults, and kInterrupt: a body that blocked one could not be ended.
+inline constexpr std::array<int, 6> kSignalsOfBodies{SIGSEGV, SIGBUS,  SIGFPE,
+                                                     SIGILL,  SIGABRT, kInterrupt};
 
 /// The view of a guard on a thread that runs bodies.
 struct Watched {
@@ -59,13 +64,17 @@ inline const Watched kUnwatched;
 
 /// Runs `body`, which must not throw; one body may run others. A fault in its own code ends it, and
 /// so does a call of abort(), exit(), quick_exit(), _exit() or pthread_exit(), a failed assertion
-/// or std::terminate(). So does a call that changes the whole process (process_wide.cpp). A fault
+/// or std::terminate(). So does a call that changes the whole process (rt/calls). A fault
 /// inside the C library does not: that may hold locks of its own. The body begins in the default
-/// floating-point environment, whatever ran on this thread before. [rt]
+/// floating-point environment, whatever ran on this thread before. This environment, the locale of
+/// the thread and its signal mask are behind the body as they were before it. [rt]
 [[nodiscard]] Fault run_guarded(void (*body)(void*), void* argument, const Watched& watched);
 
 /// Does the calling thread run a body?
 [[nodiscard]] bool in_body();
+
+/// The body that the calling thread runs is about to change the signal mask of the thread.
+void keep_mask();
 
 /// Ends the body that the calling thread runs with this fault; without one it returns.
 void end_body(const Fault& fault);

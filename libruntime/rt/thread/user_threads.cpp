@@ -21,7 +21,7 @@ struct Started {
   std::array<void*, 24> callers{};
   int count = 0;
   pthread_t thread{};
-  bool runs = false;
+  bool known = false;  // which thread it is
 };
 
 struct Registry {
@@ -74,10 +74,18 @@ std::vector<std::string> threads_started_by(const CodeRange& range) {
     });
     if (!ours) continue;
     std::array<char, 16> name{};
-    if (one.runs) pthread_getname_np(one.thread, name.data(), name.size());
+    if (one.known) pthread_getname_np(one.thread, name.data(), name.size());
     names.emplace_back(name.data());
   }
   return names;
+}
+
+bool started_in_body(pthread_t thread) {
+  Registry& all = registry();
+  const mauve::MutexLock lock(all.mutex);
+  return std::any_of(all.threads.begin(), all.threads.end(), [thread](const Started& one) {
+    return one.known && pthread_equal(one.thread, thread) != 0;
+  });
 }
 
 }  // namespace mauve::rt
@@ -115,11 +123,6 @@ void* run_started(void* start_of) {
   const Entry entry{start.entry};
   const mauve::rt::FaultStack stack;  // the safe values are written also when its own is full
   started_by_user_code() = true;
-  {
-    const mauve::MutexLock lock(registry().mutex);
-    start.entry->thread = pthread_self();
-    start.entry->runs = true;
-  }
   return start.function(start.argument);
 }
 
@@ -139,15 +142,16 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
   started.count = backtrace(started.callers.data(), static_cast<int>(started.callers.size()));
   auto& all = registry();
   auto* const start = new Start{function, argument, {}};
-  {
-    const mauve::MutexLock lock(all.mutex);
-    start->entry = all.threads.insert(all.threads.end(), started);
-  }
+  // The new thread leaves the registry under this lock, so its entry is there until it is complete.
+  const mauve::MutexLock lock(all.mutex);
+  const auto entry = start->entry = all.threads.insert(all.threads.end(), started);
   const int error = create(thread, attributes, run_started, start);
   if (error != 0) {
-    const mauve::MutexLock lock(all.mutex);
-    all.threads.erase(start->entry);
+    all.threads.erase(entry);
     delete start;
+  } else {
+    entry->thread = *thread;
+    entry->known = true;
   }
   return error;
 }

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <pthread.h>
+
 namespace mauve::rt {
 
 /// Code of one shared object.
@@ -26,5 +28,8 @@ struct CodeRange {
 /// code started them itself, or a thread of such a kind did. libmauve sees each pthread_create()
 /// and its caller; under a sanitizer it does not. Not on a real-time thread.
 [[nodiscard]] std::vector<std::string> threads_started_by(const CodeRange& range);
+
+/// Did a job or a hook start this thread, or a thread of such a kind? Not on a real-time thread.
+[[nodiscard]] bool started_in_body(pthread_t thread);
 
 }  // namespace mauve::rt
