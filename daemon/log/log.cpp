@@ -8,6 +8,7 @@
 
 #include "base/mutex.h"
 #include "base/thread_role.h"
+#include "rt/process/pulse.h"
 
 namespace mauve::logging {
 
@@ -84,8 +85,10 @@ void Log::flush() {
 }
 
 void Log::run() {
+  rt::Pulse pulse("log");
   std::vector<Record> batch;  // begins with the records that the round before has held back
   for (bool last = false; !last;) {
+    pulse.turn();
     std::uint64_t lost = 0;
     auto cut = std::numeric_limits<std::int64_t>::max();
     {
@@ -107,7 +110,9 @@ void Log::run() {
                                                        {"source", std::string("the daemon")}}));
     }
     look_at_levels(batch);
-    drain(batch, cut);
+    collect(batch);
+    pulse.turn(rt::Pulse::kBoundedElsewhere);  // whoever reads the log may take their time
+    write_up_to(batch, cut);
     {
       const MutexLock lock(mutex_);
       ++rounds_;
@@ -124,15 +129,16 @@ void Log::look_at_levels(std::vector<Record>& batch) {
   }
 }
 
+void Log::collect(std::vector<Record>& batch) {
+  const MutexLock lock(source_mutex_);
+  if (source_) {
+    source_([&](Record record) { batch.push_back(std::move(record)); });
+  }
+}
+
 /// Records after the cut wait for the next round: the rings are emptied after the queue, so a
 /// record in the queue may be older than one from a ring.
-void Log::drain(std::vector<Record>& batch, std::int64_t cut) {
-  {
-    const MutexLock lock(source_mutex_);
-    if (source_) {
-      source_([&](Record record) { batch.push_back(std::move(record)); });
-    }
-  }
+void Log::write_up_to(std::vector<Record>& batch, std::int64_t cut) {
   std::stable_sort(batch.begin(), batch.end(), [](const Record& a, const Record& b) {
     return a.monotonic_ns < b.monotonic_ns;
   });

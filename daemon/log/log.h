@@ -65,7 +65,8 @@ class Log {
   void run();
   /// Adds the events of the source. Delivers the records up to `cut`, in ns on the monotonic clock;
   /// the later ones stay in the batch.
-  void drain(std::vector<Record>& batch, std::int64_t cut);
+  void collect(std::vector<Record>& batch);
+  void write_up_to(std::vector<Record>& batch, std::int64_t cut);
   void deliver(Record record);
   void look_at_levels(std::vector<Record>& batch);
   [[nodiscard]] bool passes(const Record& record) const;

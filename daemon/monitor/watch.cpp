@@ -8,6 +8,7 @@
 #include "base/thread_role.h"
 #include "commands/look/value.h"
 #include "mauve/host/architecture.h"
+#include "rt/process/pulse.h"
 
 namespace mauve::daemon {
 
@@ -207,10 +208,15 @@ void Watches::remove(const Leaves& leaves) {
 }
 
 void Watches::run() {
+  rt::Pulse pulse("watch");
   MutexLock lock(mutex_);
   while (!stopping_) {
-    if (tapped_.empty() && !has_polled_) {
-      wake_.wait(lock);
+    pulse.turn();
+    const auto wanted = [this]() MAUVE_REQUIRES(mutex_) {
+      return stopping_ || has_polled_ || !tapped_.empty();
+    };
+    if (!wanted()) {
+      wake_.wait_for(lock, rt::Pulse::kTurn, wanted);
       continue;
     }
     bring_round(lock);

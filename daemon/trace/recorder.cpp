@@ -7,6 +7,7 @@
 
 #include "base/mutex.h"
 #include "base/thread_role.h"
+#include "rt/process/pulse.h"
 #include "state/state_store.h"
 
 namespace mauve::daemon {
@@ -62,11 +63,15 @@ TraceMode Recorder::mode() const {
 }
 
 void Recorder::run() {
+  rt::Pulse pulse("trace");
   for (;;) {
+    pulse.turn();
     {
       MutexLock lock(mutex_);
-      wake_.wait(lock,
-                 [this]() MAUVE_REQUIRES(mutex_) { return stopping_ || on_ || flights_wanted_; });
+      const auto wanted = [this]() MAUVE_REQUIRES(mutex_) {
+        return stopping_ || on_ || flights_wanted_;
+      };
+      if (!wake_.wait_for(lock, rt::Pulse::kTurn, wanted)) continue;
       wake_.wait_for(lock, detail_ ? kEveryInDetail : kEvery,
                      [this]() MAUVE_REQUIRES(mutex_) { return stopping_; });
     }

@@ -121,11 +121,10 @@ class StoppedThreads {
   std::vector<pid_t> stopped_;
 };
 
-/// [control] and [io] are asked. The others bring records, values and measurements to users, and
-/// wait for these: a restart would be worse than their silence (docs/concepts/threads.md).
+/// [control] and [io] are asked. [link] waits for the guardian, which is supervised itself, and
+/// [last] for the end of the process (docs/concepts/threads.md).
 bool has_no_pulse(const std::string& name) {
-  static const std::set<std::string> names = {"control", "io",   "log",   "trace", "watch",
-                                              "link",    "safe", "probe", "last"};
+  static const std::set<std::string> names = {"control", "io", "link", "last"};
   return names.contains(name);
 }
 
@@ -144,7 +143,8 @@ TEST_F(Heartbeats, AreNotSentWhileAnyThreadThatHasToTurnStands) {
     }
     names.insert(name.substr(ours.size()));
   }
-  for (const auto* known : {"rules", "guard", "factory", "disk", "health", "stop"}) {
+  for (const auto* known :
+       {"rules", "guard", "factory", "disk", "health", "stop", "log", "trace", "watch"}) {
     EXPECT_TRUE(names.contains(known)) << known;
   }
   // Each text names all threads that stand by then, in no order.

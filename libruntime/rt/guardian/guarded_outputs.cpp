@@ -18,6 +18,7 @@
 
 #include "base/mutex.h"
 #include "rt/guardian/guardian_link.h"
+#include "rt/process/pulse.h"
 #include "rt/thread/futex.h"
 
 namespace mauve::rt {
@@ -274,7 +275,9 @@ void GuardedOutputs::forget(const std::atomic<ComponentState>& state) {
 }
 
 void GuardedOutputs::run_sender() {
+  Pulse pulse("safe");
   while (!sender_ends_.load()) {
+    pulse.turn();
     const std::uint32_t seen = sender_bell.load();
     Instant next = kForever;
     {
@@ -284,7 +287,8 @@ void GuardedOutputs::run_sender() {
       }
       changed_.notify_all();
     }
-    futex_wait_until(sender_bell, seen, next);
+    const Instant turn = MonotonicClock().now() + Pulse::kTurn.count();
+    futex_wait_until(sender_bell, seen, std::min(next, turn));
   }
 }
 

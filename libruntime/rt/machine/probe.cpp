@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "rt/process/pulse.h"
 #include "rt/thread/futex.h"
 
 #include <mauve/host/clock.h>
@@ -31,7 +32,9 @@ Status Probe::start() {
 void Probe::run() {
   const MonotonicClock clock;
   const std::atomic<std::uint32_t> never{0};
+  Pulse pulse("probe");
   for (Instant due = clock.now() + period_.count(); !quit_; due += period_.count()) {
+    pulse.turn();
     while (clock.now() < due) futex_wait_until(never, 0, due);
     const Instant ran = clock.now();
     report_(due, ran);

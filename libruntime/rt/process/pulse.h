@@ -13,8 +13,8 @@
 
 namespace mauve::rt {
 
-/// A thread whose work safety or changes depend on has one, and calls turn() at each turn of its
-/// loop. A thread that waits for work turns all the same, each kTurn.
+/// Each thread of mauve that lives long has one, unless the watchdog asks it directly, and calls
+/// turn() at each turn of its loop. A thread that waits for work turns all the same, each kTurn.
 class Pulse {
  public:
   /// A thread that has nothing to do waits for so long at most.
