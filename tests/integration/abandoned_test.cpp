@@ -135,8 +135,8 @@ TEST_F(Abandoned, EndsInBoundedTimeWithAnAbandonedThread) {
 
   EXPECT_EQ(daemon_->process().wait(), 1) << "a thread was abandoned";
   EXPECT_THAT(daemon_->errors(), testing::Not(HasSubstr("without waiting any longer")));
-  EXPECT_THAT(daemon_->errors(), HasSubstr("first.core on_configure did not return in time"));
-  EXPECT_THAT(daemon_->errors(), HasSubstr("info    stopped"));
+  EXPECT_TRUE(daemon_->says("first.core on_configure did not return in time")) << daemon_->errors();
+  EXPECT_TRUE(daemon_->says("info    stopped")) << daemon_->errors();
 }
 
 TEST_F(Abandoned, IsAConstructorThatDoesNotReturn) {

@@ -47,9 +47,9 @@ TEST_F(BuildsOfPlugins, AreNamedByAStartAfterACrashWhereOthersRun) {
   ASSERT_NE(now, before);
   const auto remedy =
       "put build " + before + " in place of " + file() + ", then mauvectl reload trial";
-  EXPECT_THAT(daemon.errors(),
-              HasSubstr("generation 1 ran build " + before + " of plugin trial, and build " + now +
-                        " runs now: " + remedy));
+  EXPECT_TRUE(daemon.says("generation 1 ran build " + before + " of plugin trial, and build " +
+                          now + " runs now: " + remedy))
+      << daemon.errors();
   ASSERT_EQ(status_notes().size(), 1U);
   EXPECT_THAT(status_notes()[0].get<std::string>(), HasSubstr(remedy));
   EXPECT_EQ(recorded(), now) << "of the generation that runs";

@@ -127,6 +127,10 @@ class TrialDaemon {
   [[nodiscard]] std::filesystem::path plugins() const { return place_ / "plugins"; }
   [[nodiscard]] const TempDir& place() const { return place_; }
   [[nodiscard]] std::string errors() const { return TempDir::read(errors_path()); }
+  /// Waits until the log has this text; the log is written a little later than events happen.
+  [[nodiscard]] bool says(const std::string& text) const {
+    return eventually([&] { return errors().find(text) != std::string::npos; });
+  }
   [[nodiscard]] std::vector<std::string> command() const {
     std::vector<std::string> words = {program_,          file_.string(), "--socket",
                                       socket().string(), "--plugin-dir", plugins().string()};
