@@ -284,12 +284,14 @@ TEST_F(Apply, RefusesWhenAnotherGenerationRuns) {
 TEST_F(Apply, LeavesOneAuditLineWithTheReason) {
   ASSERT_EQ(ctl("apply", with_edits(), {"--reason", "tuned in the field"}).exit, 0);
 
-  const auto records = daemon_.ask("log.tail")["records"];
-  const auto is_reported = [&](const Json& record) {
+  const auto is_reported = [](const Json& record) {
     return record["event"] == "change_applied" &&
            record["fields"].value("reason", "") == "tuned in the field";
   };
-  EXPECT_EQ(std::count_if(records.begin(), records.end(), is_reported), 1) << records;
+  EXPECT_TRUE(eventually([&] {
+    const auto records = daemon_.ask("log.tail")["records"];
+    return std::count_if(records.begin(), records.end(), is_reported) == 1;
+  })) << daemon_.ask("log.tail");
 }
 
 /// The signal becomes a queue: another contract for who writes it and who reads it.

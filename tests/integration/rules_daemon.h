@@ -47,6 +47,10 @@ class RulesDaemon : public TrialDaemon {
     }
     return count;
   }
+  /// As soon as there are so many of them; the log is written a little later than events happen.
+  bool logs(std::size_t times, const std::string& name, const std::string& part = "") {
+    return eventually([&] { return events(name, part) == times; });
+  }
   /// How often these words stand in the whole log.
   std::size_t said(const std::string& words) const {
     const auto log = errors();
