@@ -119,12 +119,14 @@ class System {
 
   /// Lets time pass, 10 ms at a time, until it is so; the bytes come along.
   [[nodiscard]] bool run_until(const std::function<bool()>& condition) {
-    return mauve::test::eventually([&] {
+    const auto is_so = [&] {
       deployer_->run_for(10ms);
       lines_.wait();
       if (meanwhile_) meanwhile_();
       return condition();
-    });
+    };
+    // Thousands of steps, each of which waits for other threads, beside builds.
+    return mauve::test::eventually(is_so, std::chrono::minutes(3));
   }
   /// The work that the test does every 10 ms.
   void meanwhile(std::function<void()> work) { meanwhile_ = std::move(work); }
