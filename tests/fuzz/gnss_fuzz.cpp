@@ -25,15 +25,22 @@ struct Line {
   std::size_t messages = 0;
 
   void look(double now) {
+    take(reader.overdue(now, 100.0));
     for (auto found = stream.next(); found != GnssStream::Event::none; found = stream.next()) {
       messages += found == GnssStream::Event::message ? 1U : 0U;
-      if (reader.read(found, stream, now, 100.0) != GnssReader::Event::fix) continue;
-      ++fixes;
-      const rover::GnssFix& fix = reader.fix();
-      require(std::abs(fix.latitude) <= 90.0 && std::abs(fix.longitude) <= 180.0);
-      require(fix.time >= 0.0 && fix.time < 86'402.0 && std::isfinite(fix.altitude));
-      require(fix.mode >= 1 && fix.mode <= 3 && fix.satellites >= 0);
+      do {
+        take(reader.read(found, stream, now, 100.0));
+      } while (reader.unread());
     }
+  }
+
+  void take(GnssReader::Event event) {
+    if (event != GnssReader::Event::fix) return;
+    ++fixes;
+    const rover::GnssFix& fix = reader.fix();
+    require(std::abs(fix.latitude) <= 90.0 && std::abs(fix.longitude) <= 180.0);
+    require(fix.time >= 0.0 && fix.time < 86'402.0 && std::isfinite(fix.altitude));
+    require(fix.mode >= 1 && fix.mode <= 3 && fix.satellites >= 0);
   }
 };
 

@@ -226,6 +226,30 @@ TEST(GnssDriver, GivesUpAHalfFrameThatNeverEnds) {
   EXPECT_EQ(player.fixes().size(), 1U);
 }
 
+std::string gga(const std::string& talker, int second, int satellites) {
+  std::string text = talker + "GGA,1200" + std::to_string(second) +
+                     ".00,4334.00000,N,00128.00000,E,1," + std::to_string(satellites) +
+                     ",0.9,150.0,M,48.0,M,,";
+  unsigned sum = 0;
+  for (const char c : text) sum ^= static_cast<unsigned char>(c);
+  constexpr std::string_view kHex = "0123456789ABCDEF";
+  return "$" + text + "*" + kHex[sum / 16U] + kHex[sum % 16U] + "\r\n";
+}
+
+TEST(GnssDriver, PublishesAnEpochWithoutItsBestTalkerBeforeTheNext) {
+  Player player;
+  for (int second = 10; second < 13; ++second) {
+    player.send(gga("GP", second, 3), 20ms);
+    player.send(gga("GL", second, 7), 980ms);
+  }
+  for (int second = 13; second < 16; ++second) {
+    player.send(gga("GP", second, 4), 990ms);
+    EXPECT_EQ(player.driver().observe("satellites"), 4);
+  }
+
+  EXPECT_EQ(player.fixes().size(), 6U);
+}
+
 TEST(GnssDriver, PublishesEpochsWithoutFixAsSuch) {
   Player player;
   GnssFix none;

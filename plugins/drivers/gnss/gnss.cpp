@@ -21,7 +21,7 @@ struct GnssLine {
   mauve::serial::LineBytes bytes;
 
   /// Opaque to tools; raise the revision when anything in it changes.
-  static constexpr std::string_view type_name = "gnss_line/5";
+  static constexpr std::string_view type_name = "gnss_line/6";
   static constexpr auto fields() { return std::tuple{}; }
 };
 
@@ -38,8 +38,20 @@ class GnssSerial final : public FrameDriver<GnssCore, GnssLine> {
   rover::Condition fixed_{false};
 
   void use(Found found) override {
-    const double now = mauve::to_seconds(mauve::job_time());
-    switch (state->reader.read(found, state->stream, now, speed_limit)) {
+    do {
+      answer(state->reader.read(found, state->stream, now(), speed_limit));
+    } while (state->reader.unread());
+  }
+
+  void look_at_held() override {
+    const GnssReader::Event event = state->reader.overdue(now(), speed_limit);
+    if (event != GnssReader::Event::ignored) answer(event);
+  }
+
+  [[nodiscard]] static double now() { return mauve::to_seconds(mauve::job_time()); }
+
+  void answer(GnssReader::Event event) {
+    switch (event) {
       case GnssReader::Event::fix:
         return publish(state->reader.fix());
       case GnssReader::Event::malformed:

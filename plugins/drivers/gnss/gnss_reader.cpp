@@ -12,11 +12,20 @@ namespace drivers {
 GnssReader::Event GnssReader::read(GnssStream::Event found, const GnssStream& stream, double now,
                                    double speed_limit) {
   Event event = Event::ignored;
-  if (mending_ > 0) --mending_;
+  if (mending_ > 0 && !unread()) --mending_;
   const std::uint32_t damaged = stream.bad() - std::exchange(bad_, stream.bad());
   suspect(static_cast<int>(std::min<std::uint32_t>(damaged, 4)));
   if (found == GnssStream::Event::sentence) event = read_sentence(stream.sentence(), now);
   if (found == GnssStream::Event::message) event = read_message(stream.message(), now);
+  return admit(event, now, speed_limit);
+}
+
+GnssReader::Event GnssReader::overdue(double now, double speed_limit) {
+  if (!sentences_.holds() || now - held_since_ <= patience_) return Event::ignored;
+  return admit(take(sentences_.release(), now), now, speed_limit);
+}
+
+GnssReader::Event GnssReader::admit(Event event, double now, double speed_limit) {
   if (event != Event::fix) return event;
   context_.damage = mending_ > kBad;
   if (!gate_.admit(next_, now, speed_limit, context_)) return Event::implausible;
@@ -29,7 +38,14 @@ void GnssReader::suspect(int damaged) {
 }
 
 GnssReader::Event GnssReader::read_sentence(std::string_view sentence, double now) {
+  const bool held = sentences_.holds();
   const FixReader::Event event = sentences_.read(sentence);
+  if (!held && sentences_.holds()) held_since_ = now;
+  if (held && !sentences_.holds() && !unread()) patience_ = 2.0 * (now - held_since_) + kPatience;
+  return take(event, now);
+}
+
+GnssReader::Event GnssReader::take(FixReader::Event event, double now) {
   if (event == FixReader::Event::malformed) return Event::malformed;
   if (event != FixReader::Event::fix || now - last_message_ < kSilence) return Event::ignored;
   next_ = sentences_.fix();

@@ -17,9 +17,10 @@ namespace drivers {
 /// of it is [rt].
 class GnssReader {
  public:
-  static constexpr double kSilence = 2.0;  ///< s without NAV-PVT until GGA is heard again
-  static constexpr int kMending = 12;      ///< undamaged frames that make up for a damaged one
-  static constexpr int kBad = 24;          ///< a line that lacks more of them is a bad one
+  static constexpr double kSilence = 2.0;   ///< s without NAV-PVT until GGA is heard again
+  static constexpr double kPatience = 0.1;  ///< s more that an epoch is held than twice the last
+  static constexpr int kMending = 12;       ///< undamaged frames that make up for a damaged one
+  static constexpr int kBad = 24;           ///< a line that lacks more of them is a bad one
 
   enum class Event : std::uint8_t {
     ignored,      ///< has nothing we use, or the same epoch again
@@ -31,12 +32,18 @@ class GnssReader {
   /// Reads the frame that `stream` just found. `now` in seconds of a clock that never jumps;
   /// `speed_limit` as in FixGate.
   Event read(GnssStream::Event found, const GnssStream& stream, double now, double speed_limit);
+  /// The last read() gave the epoch before, which was held: it is to be called again.
+  [[nodiscard]] bool unread() const { return sentences_.unread(); }
+  /// An epoch whose better sentence or status is overdue; else `ignored`.
+  Event overdue(double now, double speed_limit);
   /// The last epoch that came through.
   [[nodiscard]] const rover::GnssFix& fix() const { return fix_; }
 
  private:
   void suspect(int damaged);
   Event read_sentence(std::string_view sentence, double now);
+  Event take(FixReader::Event event, double now);
+  Event admit(Event event, double now, double speed_limit);
   Event read_message(Bytes message, double now);
 
   FixReader sentences_;
@@ -46,6 +53,8 @@ class GnssReader {
   std::uint32_t bad_ = 0;  // of the stream, when it was looked at last
   int mending_ = 0;        // undamaged frames that the line lacks
   rover::GnssFix fix_;
+  double held_since_ = 0.0;
+  double patience_ = 0.5;  // s that an epoch is held at most
   double last_message_ = -std::numeric_limits<double>::infinity();
 };
 

@@ -60,8 +60,9 @@ bool same_epoch(const Witness& said, const GnssFix& fix) {
 /// 0 is no fix; 6 is dead reckoning, 7 typed in by hand, 8 simulated.
 bool measured(double quality) { return quality != 0.0 && (quality < 6.0 || quality > 8.0); }
 
-/// GGA: 1 time, 2-5 position, 6 quality, 7 satellites, 8 dilution, 9 altitude. Nothing: malformed.
-std::optional<GnssFix> parse_gga(const Fields& fields, int dimensions) {
+/// GGA: 1 time, 2-5 position, 6 quality, 7 satellites, 8 dilution, 9 altitude, 11 separation.
+/// Nothing: malformed.
+std::optional<Gga> parse_gga(const Fields& fields, int dimensions) {
   const auto time = time_of_day(fields[1]);
   const auto quality = number_or(fields[6], 0.0);
   const auto satellites = number_or(fields[7], 0.0);
@@ -71,11 +72,15 @@ std::optional<GnssFix> parse_gga(const Fields& fields, int dimensions) {
   if (*satellites < 0.0 || *satellites > 1000.0 || *hdop < 0.0) return {};
   // A comma more or less shifts the rest.
   if (!fields[10].empty() && fields[10] != "M") return {};
-  GnssFix fix;
+  Gga gga;
+  GnssFix& fix = gga.fix;
   fix.time = *time;
   fix.satellites = static_cast<std::int32_t>(*satellites);
   fix.hdop = *hdop;
-  if (!measured(*quality) || (fields[2].empty() && fields[4].empty())) return fix;
+  if (!fields[1].empty()) gga.time = *time;
+  gga.grain = std::max(grain_of(fields[2]), grain_of(fields[4]));
+  gga.separation = number_or(fields[11], 0.0).value_or(0.0);
+  if (!measured(*quality) || (fields[2].empty() && fields[4].empty())) return gga;
   const auto latitude = angle(fields[2], fields[3], "NS", 90.0);
   const auto longitude = angle(fields[4], fields[5], "EW", 180.0);
   if (!latitude || !longitude) return {};
@@ -85,15 +90,19 @@ std::optional<GnssFix> parse_gga(const Fields& fields, int dimensions) {
   // GSA comes after GGA in most receivers, so ours is of the epoch before: only its "2D" is worth
   // more than an altitude in this very sentence.
   fix.mode = fields[9].empty() || dimensions == 2 ? 2 : 3;
-  return fix;
+  gga.rank = 1.0 + fix.satellites;
+  gga.no_satellites = fix.satellites == 0 && !fields[7].empty();
+  return gga;
 }
 
 }  // namespace
 
-bool Talkers::uses(const Talker& talker, double time, double rank) {
-  const bool repeats = time >= 0.0 ? time == time_ : talker != first_ && talker != last_;
-  last_ = talker;
-  if (!repeats) {
+bool Talkers::begins(const Talker& talker, double time) const {
+  return time >= 0.0 ? time != time_ : talker == first_ || talker == last_;
+}
+
+Talkers::Use Talkers::take(const Talker& talker, double time, double rank) {
+  if (begins(talker, time)) {
     awaited_ = best_ == first_ ? Talker{} : best_;
     first_ = best_ = talker;
     best_rank_ = rank;
@@ -103,12 +112,15 @@ bool Talkers::uses(const Talker& talker, double time, double rank) {
     best_ = talker;
     best_rank_ = rank;
   }
-  if (used_ || (awaited_ != Talker{} && awaited_ != talker)) return false;
+  last_ = talker;
+  if (used_) return Use::skip;
+  if (awaited_ != Talker{} && awaited_ != talker) return talker == best_ ? Use::hold : Use::skip;
   used_ = true;
-  return true;
+  return Use::now;
 }
 
 FixReader::Event FixReader::read(std::string_view frame) {
+  unread_ = false;
   const Fields fields(frame);
   const std::string_view address = fields[0];
   if (address.size() != 5 || address[0] == 'P') return Event::ignored;
@@ -134,25 +146,40 @@ FixReader::Event FixReader::read_gsa(const Fields& fields) {
 }
 
 FixReader::Event FixReader::read_gga(const Fields& fields) {
-  const std::optional<GnssFix> fix = parse_gga(fields, dimensions_);
-  if (!fix) return Event::malformed;
-  const double time = fields[1].empty() ? -1.0 : fix->time;
-  const double rank = fix->mode > 1 ? 1.0 + fix->satellites : 0.0;
-  if (!talkers_.uses({fields[0][0], fields[0][1]}, time, rank)) return Event::ignored;
+  const std::optional<Gga> gga = parse_gga(fields, dimensions_);
+  if (!gga) return Event::malformed;
+  const Talkers::Talker talker{fields[0][0], fields[0][1]};
+  unread_ = holds() && talkers_.begins(talker, gga->time);
+  if (unread_) return release();
+  const Talkers::Use use = talkers_.take(talker, gga->time, gga->rank);
+  if (use == Talkers::Use::hold) held_ = gga;
+  if (use != Talkers::Use::now) return Event::ignored;
+  const std::optional<Gga> held = std::exchange(held_, std::nullopt);
+  return begin(held && held->rank > gga->rank ? *held : *gga);
+}
+
+FixReader::Event FixReader::release() {
+  if (held_) {
+    const Gga held = *held_;
+    held_.reset();
+    talkers_.settle();
+    if (const Event event = begin(held); event == Event::fix) return event;
+  }
+  return waits_ ? decide(status_known()) : Event::ignored;
+}
+
+FixReader::Event FixReader::begin(const Gga& gga) {
   answers_after_ = std::exchange(answered_, false);
-  time_ = time;
-  fix_ = *fix;
-  no_satellites_ = fix_.mode > 1 && fix_.satellites == 0 && !fields[7].empty();
-  grain_ = std::max(grain_of(fields[2]), grain_of(fields[4]));
+  time_ = gga.time;
+  fix_ = gga.fix;
+  no_satellites_ = gga.no_satellites;
+  grain_ = gga.grain;
   context_ = {};
-  context_.separation = number_or(fields[11], 0.0).value_or(0.0);
+  context_.separation = gga.separation;
   context_.dilution_known = dilution_ > 0.0 && dilution_ == fix_.hdop;
-  const Status now = status_now();
-  const Status before = status_before();
-  const bool doubt = fix_.mode > 1 && (no_satellites_ || before == Status::invalid);
-  waits_ = doubt && now == Status::unknown && answers_after_;
-  if (waits_) return Event::ignored;
-  return decide(now == Status::unknown && before == Status::invalid ? before : now);
+  const bool doubt = fix_.mode > 1 && (no_satellites_ || status_before() == Status::invalid);
+  waits_ = doubt && status_now() == Status::unknown && answers_after_;
+  return waits_ ? Event::ignored : decide(status_known());
 }
 
 /// The fix is complete: what RMC and GLL say decides whether it is one.
@@ -206,6 +233,12 @@ Witness::Status FixReader::status_before() const {
       return Status::invalid;
   }
   return Status::unknown;
+}
+
+/// Of this epoch, or else of one shortly before that was void.
+Witness::Status FixReader::status_known() const {
+  const Status now = status_now();
+  return now == Status::unknown && status_before() == Status::invalid ? Status::invalid : now;
 }
 
 /// A receiver whose sentences differ by habit is not believed when they do.

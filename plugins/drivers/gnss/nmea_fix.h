@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "../../types/gnss.h"
@@ -24,14 +25,34 @@ struct Witness {
   double grain = 0.0;  // deg, of its last digit; 0: no place
 };
 
+/// A GGA sentence as it was read.
+struct Gga {
+  rover::GnssFix fix;
+  double time = -1.0;          // s of the day; below 0: none
+  double rank = 0.0;           // more satellites, more rank
+  double grain = 0.0;          // deg, of the last digit of the position
+  double separation = 0.0;     // m, geoid above ellipsoid
+  bool no_satellites = false;  // a position from 0 satellites
+};
+
 /// The epochs of a line on which several talkers may say each of them (GPGGA, GAGGA), or one says
-/// it twice. The talker with the most satellites of one epoch says the next. All of it is [rt].
+/// it twice. The talker with the most satellites of one epoch is awaited in the next. All of it is
+/// [rt].
 class Talkers {
  public:
   using Talker = std::array<char, 2>;
+  enum class Use : std::uint8_t {
+    now,   ///< it is the awaited one, or none is awaited
+    hold,  ///< the best of its epoch up to now; the awaited one may follow
+    skip,  ///< worse, or its epoch is used already
+  };
 
-  /// A GGA of `rank`, of `time` (below 0: none): true, when it is the one to use of its epoch.
-  bool uses(const Talker& talker, double time, double rank);
+  /// A GGA of `time` (below 0: none) is of another epoch than the one before.
+  [[nodiscard]] bool begins(const Talker& talker, double time) const;
+  /// Takes a GGA.
+  Use take(const Talker& talker, double time, double rank);
+  /// The epoch is used without the awaited talker.
+  void settle() { used_ = true; }
 
  private:
   double time_ = -1.0;
@@ -43,17 +64,24 @@ class Talkers {
   bool used_ = false;
 };
 
-/// Keeps the values of one sentence that matter for the next. All of it is [rt].
+/// Keeps the values of one sentence that matter for the next. An epoch is held back while it may
+/// still get better: by a GGA of another talker, or by its status. All of it is [rt].
 class FixReader {
  public:
   enum class Event : std::uint8_t {
-    ignored,    ///< a sentence without anything we use
+    ignored,    ///< a sentence without anything we use, or an epoch that is held
     fix,        ///< an epoch: see fix()
     malformed,  ///< right checksum, but fields that cannot be
   };
 
   /// `frame` is the text between `$` and `*`.
   Event read(std::string_view frame);
+  /// The last read() gave the epoch before, which was held: its frame is to be read once more.
+  [[nodiscard]] bool unread() const { return unread_; }
+  /// An epoch is held back.
+  [[nodiscard]] bool holds() const { return held_.has_value() || waits_; }
+  /// Gives the epoch that is held as it is.
+  Event release();
   /// The fix of the last epoch, and further knowledge of it.
   [[nodiscard]] const rover::GnssFix& fix() const { return fix_; }
   [[nodiscard]] const FixContext& context() const { return context_; }
@@ -62,11 +90,13 @@ class FixReader {
   using Status = Witness::Status;
 
   Event read_gga(const Fields& fields);
+  Event begin(const Gga& gga);
   Event read_gsa(const Fields& fields);
   Event hear(const Witness& said, Witness& kept);
   Event decide(Status status);
   [[nodiscard]] Status status_now() const;
   [[nodiscard]] Status status_before() const;
+  [[nodiscard]] Status status_known() const;
   void compare(bool same);
 
   rover::GnssFix fix_;
@@ -74,6 +104,7 @@ class FixReader {
   Witness rmc_;
   Witness gll_;
   Talkers talkers_;
+  std::optional<Gga> held_;     // for the awaited talker
   double time_ = -1.0;          // of the last GGA
   double grain_ = 0.0;          // deg, of the last digit of the position in GGA
   double dilution_ = 0.0;       // of the last GSA
@@ -83,6 +114,7 @@ class FixReader {
   bool waits_ = false;          // for the status of its epoch
   bool answered_ = false;       // the status of this epoch came after its GGA
   bool answers_after_ = false;  // as that of the one before did
+  bool unread_ = false;
 };
 
 }  // namespace drivers

@@ -76,6 +76,8 @@ class FrameDriver : public CoreT {
 
   /// Uses the frame that the stream just found. [rt]
   virtual void use(Found found) = 0;
+  /// Between two frames: a value that waited for more of them may have waited for too long. [rt]
+  virtual void look_at_held() {}
   /// A value of a frame was published. [rt]
   void published() {
     silence_.ended();
@@ -118,6 +120,7 @@ class FrameDriver : public CoreT {
 
   void find_sync() override {
     look_for_silence();
+    look_at_held();
     do {
       look();
     } while (!synced() && take_byte());

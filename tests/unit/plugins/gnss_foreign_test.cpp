@@ -37,10 +37,12 @@ ForeignReading read_epochs(const std::vector<std::string>& seconds) {
       for (auto found = stream.next(); found != GnssStream::Event::none; found = stream.next()) {
         reading.bad += found == GnssStream::Event::bad ? 1 : 0;
         if (found == GnssStream::Event::bad) continue;
-        const auto event = reader.read(found, stream, static_cast<double>(second), 100.0);
-        reading.fixes += event == GnssReader::Event::fix ? 1 : 0;
-        reading.refused += event == GnssReader::Event::implausible ? 1 : 0;
-        reading.bad += event == GnssReader::Event::malformed ? 1 : 0;
+        do {
+          const auto event = reader.read(found, stream, static_cast<double>(second), 100.0);
+          reading.fixes += event == GnssReader::Event::fix ? 1 : 0;
+          reading.refused += event == GnssReader::Event::implausible ? 1 : 0;
+          reading.bad += event == GnssReader::Event::malformed ? 1 : 0;
+        } while (reader.unread());
       }
     }
   }

@@ -16,10 +16,13 @@ std::vector<GnssFix> epochs_of(const std::vector<std::string>& frames) {
   FixReader reader;
   std::vector<GnssFix> epochs;
   for (const std::string& frame : frames) {
-    const FixReader::Event event = reader.read(frame);
-    EXPECT_NE(event, FixReader::Event::malformed) << frame;
-    if (event == FixReader::Event::fix) epochs.push_back(reader.fix());
+    do {
+      const FixReader::Event event = reader.read(frame);
+      EXPECT_NE(event, FixReader::Event::malformed) << frame;
+      if (event == FixReader::Event::fix) epochs.push_back(reader.fix());
+    } while (reader.unread());
   }
+  if (reader.release() == FixReader::Event::fix) epochs.push_back(reader.fix());
   return epochs;
 }
 
@@ -149,6 +152,52 @@ TEST(NmeaTalkers, AChangeOfTheTalkerLosesNoEpoch) {
     frames.push_back(gga_at(second, "1", "09", second % 4 < 2 ? "GP" : "GN"));
   }
   EXPECT_EQ(epochs_of(frames).size(), 12U);
+}
+
+TEST(NmeaTalkers, ATalkerThatIsNotInEachEpochCostsNone) {
+  for (const int every : {2, 3, 7}) {
+    for (const bool best_first : {true, false}) {
+      std::vector<std::string> frames;
+      for (int second = 0; second < 30; ++second) {
+        const std::string best = gga_at(second, "1", "07", "GL");
+        const bool there = second % every != 0;
+        if (there && best_first) frames.push_back(best);
+        frames.push_back(gga_at(second, "1", "03", "GP"));
+        frames.push_back(gga_at(second, "1", "02", "GA"));
+        if (there && !best_first) frames.push_back(best);
+      }
+
+      const auto epochs = epochs_of(frames);
+
+      ASSERT_EQ(epochs.size(), 30U) << every;
+      for (int second = 0; second < 30; ++second) {
+        EXPECT_EQ(epochs[static_cast<std::size_t>(second)].time, 43'200.0 + second);
+        EXPECT_GE(epochs[static_cast<std::size_t>(second)].satellites, 3);
+      }
+    }
+  }
+}
+
+TEST(NmeaTalkers, TheBestOfAnEpochIsUsedThoughItsTalkerWasNotTheBestBefore) {
+  const auto epochs = epochs_of({gga_at(0, "1", "03", "GP"), gga_at(0, "1", "07", "GL"),
+                                 gga_at(1, "1", "09", "GP"), gga_at(1, "1", "02", "GL"),
+                                 gga_at(2, "0", "00", "GP"), gga_at(2, "1", "05", "GL")});
+
+  ASSERT_EQ(epochs.size(), 3U);
+  EXPECT_EQ(epochs[1].satellites, 9);
+}
+
+TEST(NmeaStatus, ThatDoesNotComeCostsNoEpoch) {
+  std::vector<std::string> frames;
+  for (int second = 0; second < 9; ++second) {
+    frames.push_back(gga_at(second, "1", "09"));
+    if (second % 3 != 2) frames.push_back(rmc_at(second, "V", "N"));
+  }
+
+  const auto epochs = epochs_of(frames);
+
+  ASSERT_EQ(epochs.size(), 9U);
+  for (std::size_t i = 1; i < 9; ++i) EXPECT_EQ(epochs[i].mode, 1) << i;
 }
 
 TEST(NmeaTalkers, EpochsWithoutTimeAreAllWritten) {
