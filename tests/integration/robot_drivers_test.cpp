@@ -55,6 +55,22 @@ TEST(RobotDrivers, CarryScansAndOdometryOverSerialLines) {
   EXPECT_EQ(robot->observe("brake", "stops"), 0.0);
 }
 
+// A world that stands while the machine does is where no estimate expects it.
+TEST(RobotDrivers, ASimulatedBaseDrivesOnWhileItsJobsAreLate) {
+  std::string late = kSimulators;
+  late.replace(late.find("15ms"), 4, "150ms");  // as if nine of ten jobs were missed
+  System robot(late + kPilot + kLaser + "," + kBase, "pty:laser", "pty:base");
+  ASSERT_TRUE(robot.deployed());
+  ASSERT_TRUE(robot.reaches("world", "x", 0.1));
+  const double before = robot.observe("world", "x");
+
+  int steps = 0;
+  ASSERT_TRUE(robot.run_until([&] { return ++steps == 200; }));
+
+  EXPECT_NEAR(robot.observe("world", "x") - before, 0.4 * 2.0, 0.1);
+  EXPECT_NEAR(robot.read<rover::Odometry>("odometry").x, robot.observe("world", "x"), 0.15);
+}
+
 TEST(RobotDrivers, StopBeforeTheObstacleThatOnlyTheScannerSees) {
   const auto robot = everything();
   ASSERT_TRUE(robot->deployed());

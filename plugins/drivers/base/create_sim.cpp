@@ -16,6 +16,7 @@
 #include "../../types/velocity.h"
 #include "../parts.h"
 #include "create_oi.h"
+#include "simulated_time.h"
 #include "wheels.h"
 
 namespace drivers {
@@ -32,7 +33,7 @@ class CreateSim final : public mauve::Core<WheelsShell> {
  public:
   void update() {
     hear();
-    const double seconds = std::chrono::duration<double>(step.get()).count();
+    const double seconds = simulated_time(step.get());
     const std::optional<Odometry> moved = shell().drive(velocity_of(speeds_, wheels_), seconds);
     if (!moved) return;
     roll({moved->linear, moved->angular}, seconds);
@@ -48,7 +49,7 @@ class CreateSim final : public mauve::Core<WheelsShell> {
   mauve::Property<mauve::Duration> step{*this,
                                         "step",
                                         std::chrono::milliseconds(15),
-                                        "simulated in each update: the same as fsm.period",
+                                        "simulated in each period: the same as fsm.period",
                                         {.min = std::chrono::microseconds(10), .max = {}}};
   mauve::Observable<std::uint64_t> commands{*this, "commands", 0, "heard"};
   mauve::Observable<std::uint64_t> frames{*this, "frames", 0, "sent"};

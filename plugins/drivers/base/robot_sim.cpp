@@ -8,6 +8,7 @@
 #include "../../types/pose.h"
 #include "../../types/velocity.h"
 #include "../parts.h"
+#include "simulated_time.h"
 
 namespace drivers {
 namespace {
@@ -30,8 +31,8 @@ class RobotSim final : public mauve::Core<RobotShell> {
     const Velocity wanted = shell().command.read();
     const mauve::DataStatus status = shell().command.status();
     const bool usable = has_value(status) && status != mauve::DataStatus::stale;
-    const std::optional<Odometry> moved = shell().drive(
-        usable ? wanted : Velocity{}, std::chrono::duration<double>(step.get()).count());
+    const std::optional<Odometry> moved =
+        shell().drive(usable ? wanted : Velocity{}, simulated_time(step.get()));
     if (!moved) return;
     shell().odometry.write(*moved);
     shell().pose.write({moved->x, moved->y, moved->heading});
@@ -43,7 +44,7 @@ class RobotSim final : public mauve::Core<RobotShell> {
   mauve::Property<mauve::Duration> step{*this,
                                         "step",
                                         std::chrono::milliseconds(10),
-                                        "simulated in each update: the same as fsm.period",
+                                        "simulated in each period: the same as fsm.period",
                                         {.min = std::chrono::microseconds(10), .max = {}}};
 };
 
