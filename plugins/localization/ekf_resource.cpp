@@ -26,6 +26,7 @@ void EkfCore::show_counts(double time) {
   reacquired = estimate.reacquired;
   outliers = estimate.outliers;
   late = memory_->late;
+  dropped_ = memory_->refused != refused || memory_->too_late != too_late;
   too_late = memory_->too_late;
   if (memory_->refused != refused && rover::worth_reporting(memory_->refused)) {
     mauve::log(mauve::LogLevel::warning, "{} measurements that are no numbers", memory_->refused);
@@ -36,6 +37,24 @@ void EkfCore::show_counts(double time) {
   pose_age = estimate.begun ? time - estimate.pose_time : 0.0;
   placed = estimate.placed;
   aligned = estimate.aligned;
+  tell(time);
+}
+
+/// Looks whether service `pose` has data now, and why not.
+void EkfCore::tell(double time) {
+  const Estimate& estimate = memory_->estimate;
+  const bool blind = !estimate.begun || time - estimate.time > blind_after;
+  if (blind && dropped_) {
+    silence_.look("its measurements are no numbers, too late, or of another clock");
+  } else if (blind) {
+    silence_.look("nothing is measured");
+  } else if (!estimate.placed) {
+    silence_.look("no position has come");
+  } else if (!estimate.aligned) {
+    silence_.look("its heading is not known: no compass, and too few metres driven");
+  } else {
+    silence_.ended();
+  }
 }
 
 Estimate EkfCore::estimate_at(double time) {
@@ -49,6 +68,7 @@ std::optional<MotionState> EkfCore::predict() {
   const Estimate estimate = estimate_at(time);
   dispersion = estimate.dispersion();
   pose_age = estimate.begun ? time - estimate.pose_time : 0.0;
+  tell(time);
   if (!estimate.placed) return {};
   return motion_state(estimate);
 }
@@ -62,6 +82,7 @@ MotionState EkfCore::predict_at(double time) {
 }
 
 std::optional<Pose2D> EkfCore::pose() {
+  tell(now());
   if (!memory_->estimate.aligned) return {};
   if (memory_->estimate.begun && now() - memory_->estimate.time > blind_after) return {};
   const std::optional<MotionState> state = predict();

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "../types/silence.h"
 #include "filter.h"
 
 /// Opaque to tools; raise the revision when anything in it changes.
@@ -84,6 +85,8 @@ class EkfCore final : public mauve::Core<mauve::EmptyShell> {
   Observable<double> pose_age{*this, "pose_age", 0.0, "since the last pose inside the gate", "s"};
   Observable<bool> placed{*this, "placed", false, "the place is known"};
   Observable<bool> aligned{*this, "aligned", false, "the heading is known"};
+  rover::Silence silence_{*this};
+  bool dropped_ = false;  // the last measurement was
 
   mauve::Status on_configure() override;
 
@@ -97,6 +100,7 @@ class EkfCore final : public mauve::Core<mauve::EmptyShell> {
     show_counts(time);
   }
   void show_counts(double time);
+  void tell(double time);
   Estimate estimate_at(double time);
 };
 

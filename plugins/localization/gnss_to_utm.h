@@ -18,6 +18,7 @@
 
 #include "../types/gnss.h"
 #include "../types/motion.h"
+#include "../types/silence.h"
 #include "origin_search.h"
 #include "utm.h"
 
@@ -53,12 +54,14 @@ class GnssToUtmCore final : public mauve::Core<GnssToUtmShell> {
     hdop = std::isfinite(fix.hdop) ? fix.hdop : 0.0;
     if (fix.mode < 2) {
       ++without_position;
-      return;
+      return silence_.look("its receiver has no fix");
     }
     const Geographic position{fix.latitude, fix.longitude};
     if (!fixed_.known && !origin_->known) {
       const OriginSearch::Found found = search_.look(position, now());
-      if (found == OriginSearch::Found::nothing) return report(Silence::no_origin);
+      if (found == OriginSearch::Found::nothing) {
+        return silence_.look("no 3 fixes in a row agree on an origin");
+      }
       if (found == OriginSearch::Found::origin) *origin_ = origin_at(search_.first());
     }
     const Origin& origin = fixed_.known ? fixed_ : *origin_;
@@ -66,20 +69,17 @@ class GnssToUtmCore final : public mauve::Core<GnssToUtmShell> {
     zone = origin.known ? origin.zone : 0;
     if (!origin.known || !point) {
       ++refused;
-      return report(origin.known ? Silence::far : Silence::no_position);
+      return refuse(origin);
     }
     const bool says = fix.hdop > 0.0 && fix.hdop <= kWorstHdop;
     shell().pose.write({now() - latency, point->x - origin.easting, point->y - origin.northing,
                         says ? fix.hdop * range_error : 0.0});
     ++positions;
-    report(Silence::none);
+    silence_.ended();
   }
 
  private:
   static constexpr double kWorstHdop = 99.0;  // beyond it the receiver does not know
-  static constexpr double kPatience = 10.0;   // s of positions without one written on
-
-  enum class Silence : std::uint8_t { none, no_origin, no_position, far };
 
   [[nodiscard]] static double now() { return mauve::to_seconds(mauve::job_time()); }
 
@@ -121,35 +121,17 @@ class GnssToUtmCore final : public mauve::Core<GnssToUtmShell> {
     if (!origin_at_first_fix) fixed_ = origin_at({origin_latitude, origin_longitude});
     *origin_ = {};
     search_ = {};
-    silent_since_.reset();
-    reported_ = false;
     return mauve::ok();
   }
 
-  /// Says once that positions come and none is written on, and why the last was not.
-  void report(Silence silence) {
-    if (silence == Silence::none) {
-      if (reported_) mauve::log(mauve::LogLevel::info, "positions are written on again");
-      silent_since_.reset();
-      reported_ = false;
-      return;
+  void refuse(const Origin& origin) {
+    if (!origin.known) {
+      return silence_.look("the fixes lie outside of UTM (80 degrees south to 84 north)");
     }
-    if (!silent_since_) silent_since_ = now();
-    if (reported_ || now() - *silent_since_ < kPatience) return;
-    reported_ = true;
-    if (silence == Silence::no_origin) {
-      mauve::log(mauve::LogLevel::warning,
-                 "no position is written on, for 10 s: no 3 fixes in a row agree on an origin");
-    } else if (silence == Silence::no_position) {
-      mauve::log(mauve::LogLevel::warning,
-                 "no position is written on, for 10 s: the fixes lie outside of UTM (80 degrees "
-                 "south to 84 north)");
-    } else {
-      mauve::log(mauve::LogLevel::warning,
-                 "no position is written on, for 10 s: the fixes are far from zone {} of the "
-                 "origin, which a stop and a start of this resource find anew",
-                 zone.get());
-    }
+    silence_.look(
+        "the fixes are far from zone {} of the origin, which a stop and a start of this resource "
+        "find anew",
+        origin.zone);
   }
 
   [[nodiscard]] Origin origin_at(const Geographic& position) const {
@@ -163,8 +145,7 @@ class GnssToUtmCore final : public mauve::Core<GnssToUtmShell> {
   Utm utm_;
   Origin fixed_;  // by property: a change of it counts at once
   OriginSearch search_;
-  std::optional<double> silent_since_;  // s, of the first position not written on since the last
-  bool reported_ = false;
+  rover::Silence silence_{*this};
 };
 
 struct GnssToUtmInterface : mauve::Interface<GnssToUtmCore> {

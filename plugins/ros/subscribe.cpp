@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include <mauve/job.h>
@@ -21,6 +22,7 @@
 #include "parts.h"
 #include "reports_master.h"
 #include "stamps.h"
+#include "types/silence.h"
 
 namespace ros_bridge {
 namespace {
@@ -95,13 +97,20 @@ class InChannel final : public Channel {
   mauve::Instant last_ = 0;
 };
 
+/// Of a topic that says its last value again: no silence is a fault.
+struct MayBeSilent {
+  explicit MayBeSilent(mauve::Configurable& /*core*/) {}
+};
+
 template <typename T>
 class SubscriberCore final : public mauve::Core<SubscriberShell> {
  public:
   /// [rt]
   const T* newest(mauve::Instant& stamp) {
     master_.look(connected);
-    return channel_->inbox.newest(stamp);
+    const T* const value = channel_->inbox.newest(stamp);
+    if constexpr (!RosMessage<T>::kLatched) listen(value == nullptr ? 0 : stamp);
+    return value;
   }
 
  private:
@@ -128,8 +137,24 @@ class SubscriberCore final : public mauve::Core<SubscriberShell> {
   }
   void on_cleanup() override { leave(std::exchange(channel_, nullptr)); }
 
+  /// `newest`: when the newest message came; 0: none.
+  void listen(mauve::Instant newest) {
+    if (newest != heard_) {
+      heard_ = newest;
+      refused_before_ = refused;
+      return silence_.ended();
+    }
+    if (!connected) return silence_.look("no ROS master knows its topic");
+    if (publishers == 0) return silence_.look("nobody publishes its topic");
+    if (refused != refused_before_) return silence_.look("its messages hold no usable value");
+    silence_.look("its publishers send nothing");
+  }
+
   std::shared_ptr<InChannel<T>> channel_;
   ReportsMaster master_;
+  std::conditional_t<RosMessage<T>::kLatched, MayBeSilent, rover::Silence> silence_{*this};
+  mauve::Instant heard_ = 0;          // when the last message came
+  std::uint64_t refused_before_ = 0;  // when it was read
 };
 
 /// A read service with the time the message came, and in place for large values.

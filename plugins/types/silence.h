@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Silence: a driver that works as it is asked, and has nothing to publish, says so and why.
+/// Silence: an element that works as it is asked, and has nothing to publish, says so and why.
 #pragma once
 
 #include <cstddef>
@@ -8,18 +8,18 @@
 
 namespace rover {
 
-/// Of a driver that publishes at least once in `silent_after`. The warning `silent` lasts from then
+/// Of a core that publishes at least once in `silent_after`. The warning `silent` lasts from then
 /// on until the next value (`imu.core.silent == true` in a condition). All of it but the
-/// constructor is [rt], by the job of the driver.
+/// constructor is [rt], by one thread at a time: that of the component, or of a service.
 class Silence {
  public:
-  explicit Silence(mauve::Configurable& driver)
-      : after_{driver,
+  explicit Silence(mauve::Configurable& core)
+      : after_{core,
                "silent_after",
                mauve::Duration{5'000'000'000},
                "without a value for so long: warning `silent`",
                {.min = mauve::Duration{1'000'000}, .max = {}}},
-        silent_{driver, "silent", "it has nothing to publish; the log says why"} {}
+        silent_{core, "silent", "it has nothing to publish; the log says why"} {}
 
   /// A value was published.
   void ended() {

@@ -128,6 +128,18 @@ TEST_F(Ros, BringsAGoalToTheRobot) {
   expect_not_held_up();
 }
 
+TEST_F(Ros, ASubscriberThatHearsNothingSaysWhy) {
+  start_both();
+  EXPECT_TRUE(eventually([&] { return value("pose_in.core.silent") == true; }, kLong));
+  const std::string status = daemon_->ask({"status"}).dump();
+  EXPECT_NE(status.find("nobody publishes its topic"), std::string::npos) << status;
+  EXPECT_TRUE(value("goal.core.silent").is_null()) << "one goal is enough";
+
+  const auto tool = publish("/pose_in", 2.0, 4.0);
+
+  EXPECT_TRUE(eventually([&] { return value("pose_in.core.silent") == false; }, kLong));
+}
+
 TEST_F(Ros, ShowsThePoseOfTheRobot) {
   start_both();
   const auto tool = publish("/pose_in", 2.0, 4.0);

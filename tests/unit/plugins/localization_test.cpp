@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
 #include <string_view>
 
 #include "../../../plugins/localization/ekf_resource.h"
@@ -13,6 +14,8 @@
 #include <mauve/host/architecture.h>
 #include <mauve/host/deployer.h>
 #include <mauve/host/shared_data.h>
+#include <mauve/observable.h>
+#include <mauve/test_kit.h>
 
 namespace localization {
 namespace {
@@ -84,6 +87,13 @@ struct Robot : mauve::Architecture {
   }
   [[nodiscard]] double shown(mauve::CoreBase& core, std::string_view name) const {
     return std::stod(mauve::to_string(core.find_observable(name)->value()));
+  }
+  /// The reason of the warning `silent`, if it lasts.
+  [[nodiscard]] static std::string silent(mauve::ResourceBase& resource) {
+    const auto* warning =
+        dynamic_cast<const mauve::Warning*>(resource.core().find_observable("silent"));
+    if (warning == nullptr) return "there is no such warning";
+    return warning->lasts() ? std::string(warning->reason()) : "";
   }
   [[nodiscard]] double localized(std::string_view name) {
     return shown(localization.ResourceBase::core(), name);
@@ -181,6 +191,25 @@ TEST_F(Localization, StopsAnsweringWhereWhenNothingMeasures) {
   EXPECT_TRUE(has_value(core().status)) << "the covariance says how much a prediction is worth";
 }
 
+TEST_F(Localization, SaysWhyNothingComesOut) {
+  core().mode = 1;
+  run_for(4.9);
+  EXPECT_EQ(robot_.silent(robot_.gnss_to_utm), "") << "not yet";
+  run_for(0.3);
+  EXPECT_EQ(robot_.silent(robot_.gnss_to_utm), "its receiver has no fix");
+  EXPECT_EQ(robot_.silent(robot_.localization), "no position has come");
+
+  core().mode = 3;
+  run_for(10.0);
+  EXPECT_EQ(robot_.silent(robot_.gnss_to_utm), "");
+  EXPECT_EQ(robot_.silent(robot_.localization), "");
+
+  ASSERT_TRUE(deployer_.disconnect("robot.ports.twist"));
+  ASSERT_TRUE(deployer_.disconnect("robot.ports.fix"));
+  run_for(6.2);  // blind_after and silent_after
+  EXPECT_EQ(robot_.silent(robot_.localization), "nothing is measured");
+}
+
 TEST_F(Localization, DoesWithoutTheReceiverThatIsDisconnected) {
   run_for(20.0);
 
@@ -276,6 +305,33 @@ TEST(GnssToUtm, TakesNoOriginFromFixesThatAllDisagree) {
 
   EXPECT_EQ(receiver.robot.converted("positions"), 0);
   EXPECT_EQ(receiver.robot.converted("zone"), 0);
+}
+
+/// On the clock of the bench, one fix a second.
+struct SlowFixes {
+  mauve::CoreBench<GnssToUtmShell, GnssToUtmCore> bench;
+
+  SlowFixes() { EXPECT_TRUE(bench.configure()); }
+
+  std::string silent_after(int seconds, const Geographic& place, double step = 0.0) {
+    for (int i = 0; i < seconds; ++i) {
+      bench.advance(std::chrono::seconds(1));
+      bench.core().convert({1.0, place.latitude + step * i, place.longitude, 0.0, 1.0, 3, 9});
+    }
+    const auto* warning =
+        dynamic_cast<const mauve::Warning*>(bench.core().find_observable("silent"));
+    return warning->lasts() ? std::string(warning->reason()) : "";
+  }
+};
+
+TEST(GnssToUtm, SaysWhyPositionsAreNotWrittenOn) {
+  SlowFixes receiver;
+
+  EXPECT_EQ(receiver.silent_after(10, {43.0, 1.0}, 0.1), "no 3 fixes in a row agree on an origin");
+  EXPECT_EQ(receiver.silent_after(10, kOrigin), "");
+  EXPECT_EQ(receiver.silent_after(4, {43.5, 120.0}), "") << "not yet";
+  EXPECT_NE(receiver.silent_after(4, {43.5, 120.0}).find("are far from zone"), std::string::npos);
+  EXPECT_EQ(receiver.silent_after(1, kOrigin), "");
 }
 
 TEST(GnssToUtm, TakesItsOriginFromTheProperties) {
