@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Every broken plugin is refused with words that help, and leaves nothing behind.
+#include <dlfcn.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -82,6 +83,25 @@ INSTANTIATE_TEST_SUITE_P(
               {Errc::plugin_refused, "plugin_exports"},
               "must be its only exported symbol"}),
     [](const auto& each) { return std::string(each.param.plugin); });
+
+/// LD_LIBRARY_PATH may name it, or an earlier attempt have left it behind.
+TEST(ZooOfLibraries, OneBesideAPluginIsRefusedAlsoIfItIsLoadedAlready) {
+  Catalog first({MAUVE_ZOO "/1"});
+  ASSERT_TRUE(first.load("good"));  // by then the program has its own libraries
+  Catalog catalog({MAUVE_ZOO});
+  const Status missing = catalog.load("needs_helper");
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().id, "plugin_missing_library");
+
+  void* const helper = dlopen(MAUVE_ZOO "/libzoo_helper.so", RTLD_NOW);
+  ASSERT_NE(helper, nullptr) << dlerror();
+  const Status loaded = catalog.load("needs_helper");
+  dlclose(helper);
+
+  ASSERT_FALSE(loaded);
+  EXPECT_EQ(loaded.error().id, "plugin_needs_library");
+  EXPECT_THAT(loaded.error().message, HasSubstr("libzoo_helper.so"));
+}
 
 TEST(ZooOfInitialisers, AreRefusedBeforeTheyRun) {
 #if defined(MAUVE_SANITIZE_ADDRESS_UNDEFINED) || defined(MAUVE_SANITIZE_THREAD)
