@@ -38,6 +38,7 @@ class GuardedBase : public testing::Test {
     return eventually([&] {
       if (has_driven()) return true;
       const Json status = daemon_->ask({"status"});
+      if (!status.is_object()) return false;
       for (const Json& one : status.value("components", Json::array())) {
         if (one["state"] == "stopped") {
           static_cast<void>(daemon_->client({"start", "cruise", "base"}).wait());
@@ -56,14 +57,14 @@ class GuardedBase : public testing::Test {
   }
   [[nodiscard]] Json guardian() const {
     const Json status = daemon_->ask({"status"});
-    return status.value("guardian", Json());
+    return status.is_object() ? status.value("guardian", Json::object()) : Json::object();
   }
   /// The one that holds the output; see drives_when_started().
   [[nodiscard]] Json present_guardian() const {
     Json found;
     EXPECT_TRUE(eventually([&] {
       found = guardian();
-      return found.value("present", false) && found["outputs"] == Json{"base.core.stand"};
+      return found.value("present", false) && found["outputs"] == Json::array({"base.core.stand"});
     })) << found
         << daemon_->errors();
     return found;
