@@ -32,9 +32,11 @@ class GuardedBase : public testing::Test {
   [[nodiscard]] bool drives() {
     return eventually([&] { return has_driven(); });
   }
-  /// As drives(), and whoever stands is started: a guardian that gets no processor for 60 ms is
-  /// replaced, and where it is required, all stop until somebody starts them.
+  /// It gets an order to drive from now on, and whoever stands is started: a guardian that gets no
+  /// processor for 60 ms is replaced, and where it is required, all stop until somebody starts
+  /// them.
   [[nodiscard]] bool drives_when_started() {
+    seen_ = base_.bytes().size();
     return eventually([&] {
       if (has_driven()) return true;
       const Json status = daemon_->ask({"status"});
