@@ -21,6 +21,9 @@ DeviceLine::DeviceLine(mauve::Configurable& core, LineSettings settings)
       device_errors(core, "device_errors", 0, "times it was not there or went away"),
       reopened(core, "reopened", 0, "times it came, or came back"),
       received(core, "received", 0, "bytes"),
+      unsent(core, "unsent", 0, "commands that found no room"),
+      unplugged(core, "unplugged", "its device is not there"),
+      takes_no_bytes(core, "takes_no_bytes", "its device does not take the commands"),
       use_(settings.use) {}
 
 mauve::Status DeviceLine::open() {
@@ -68,14 +71,23 @@ bool DeviceLine::take(LineBytes& line, char& byte) {
   return true;
 }
 
-/// Once for each change.
+bool DeviceLine::send(std::string_view bytes) {
+  if (lost_) return false;
+  if (thread_.send(bytes)) {
+    takes_no_bytes.end("its device takes bytes again");
+    return true;
+  }
+  ++unsent;
+  takes_no_bytes.begin("its device takes no bytes, so commands are lost ({} so far)", unsent.get());
+  return false;
+}
+
+/// The log has a line for each change, also of the core: a swap continues the warning.
 void DeviceLine::report() {
-  if (lost_ == reported_lost_) return;
-  reported_lost_ = lost_;
   if (lost_) {
-    mauve::log(mauve::LogLevel::warning, "its device is not there (time {})", device_errors.get());
+    unplugged.begin("its device is not there (time {})", device_errors.get());
   } else {
-    mauve::log(mauve::LogLevel::info, "its device is back");
+    unplugged.end("its device is back");
   }
 }
 

@@ -65,7 +65,6 @@ class CreateOi final : public BaseCore {
   Counter timeouts{*this, "timeouts", 0, "times it fell silent"};
   Counter lost_commands{*this, "lost_commands", 0, "times there was none any more"};
   Counter bad_commands{*this, "bad_commands", 0, "not a number"};
-  Counter unsent{*this, "unsent", 0, "commands that found no room"};
   rover::Silence silence{*this};
   mauve::Warning disobeys{*this, "disobeys", "the base streams, and obeys no command"};
   mauve::Observable<int> mode{*this, "mode", 0, "0 off, 1 passive, 2 safe, 3 full"};
@@ -185,7 +184,7 @@ class CreateOi final : public BaseCore {
   void send_speeds(const WheelSpeeds& speeds) {
     const auto whole = [](double speed) { return static_cast<int>(std::lround(speed * 1000.0)); };
     const auto text = create::drive_text(whole(speeds.left), whole(speeds.right));
-    if (!line_.send({text.data(), text.size()}) && !lost()) ++unsent;
+    line_.send({text.data(), text.size()});
   }
 
   static constexpr std::int64_t kUntilItObeys = 500'000'000;  // ns after it was begun

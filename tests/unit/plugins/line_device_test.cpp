@@ -12,6 +12,10 @@
 #include <string>
 #include <string_view>
 
+#include <mauve/plugin.h>
+#include <mauve/serial/device_line.h>
+#include <mauve/test_kit.h>
+
 #include "line_core.h"
 
 namespace mauve::test {
@@ -189,6 +193,74 @@ TEST_F(Line, OpenedToSendIsARealTimeThreadBeforeItsFirstRequest) {
     return policies_of_lines() == std::multiset<int>{SCHED_OTHER, SCHED_FIFO};
   }));
   brake.stop();
+}
+
+struct Wheels final : mauve::Core<mauve::EmptyShell> {
+  void update() {}
+  Status on_configure() override { return line.open(); }
+  void on_cleanup() override { line.close(bytes); }
+  /// In a job of its own, which takes all that came.
+  bool is_lost() {
+    char byte = 0;
+    while (line.take(bytes, byte)) {
+    }
+    return line.lost() && !line.reopen();
+  }
+  LineBytes bytes;
+  mauve::serial::DeviceLine line{*this, {}};
+};
+
+class DeviceOfACore : public testing::Test {
+ protected:
+  void begin(const std::string& device) {
+    bench_.core().line.device = device;
+    ASSERT_TRUE(bench_.configure());
+    bench_.advance(1s);
+  }
+  /// A job later.
+  bool lost() {
+    bench_.advance(1ms);
+    return bench_.core().is_lost();
+  }
+  PseudoTerminal far_;
+  CoreBench<mauve::EmptyShell, Wheels> bench_;
+  mauve::serial::DeviceLine& line_ = bench_.core().line;
+};
+
+TEST_F(DeviceOfACore, WarnsAsLongAsItIsNotThere) {
+  const std::string link = link_name("warns");
+  begin(link);
+  EXPECT_TRUE(lost());
+  EXPECT_TRUE(line_.unplugged.lasts());
+  ASSERT_TRUE(far_.open(link));
+  EXPECT_TRUE(eventually([&] { return !lost(); }));
+  EXPECT_FALSE(line_.unplugged.lasts());
+
+  far_.close();
+
+  EXPECT_TRUE(eventually([&] { return lost(); }));
+  EXPECT_TRUE(line_.unplugged.lasts());
+  EXPECT_FALSE(line_.takes_no_bytes.lasts());
+}
+
+TEST_F(DeviceOfACore, WarnsAsLongAsItTakesNoCommand) {
+  ASSERT_TRUE(far_.open(""));
+  begin(far_.device());
+  const std::string command(200, 'x');
+  EXPECT_TRUE(line_.send(command));
+  EXPECT_FALSE(line_.takes_no_bytes.lasts());
+
+  EXPECT_TRUE(eventually([&] { return !line_.send(command); })) << "nobody reads at the far end";
+
+  EXPECT_TRUE(line_.takes_no_bytes.lasts());
+  EXPECT_EQ(line_.unsent, 1U);
+  EXPECT_TRUE(eventually([&] {
+    std::array<char, 512> some{};
+    while (far_.receive(some) > 0) {
+    }
+    return line_.send("x");
+  }));
+  EXPECT_FALSE(line_.takes_no_bytes.lasts());
 }
 
 }  // namespace

@@ -66,14 +66,19 @@ class DeviceLine {
   /// The time without a byte. [rt]
   [[nodiscard]] mauve::Duration silence() const;
   /// All of it goes out, or nothing: the device never hears half a request. False: it is lost, or
-  /// more than 256 bytes would wait, because the device does not take those sent before. [rt]
-  bool send(std::string_view bytes) { return !lost_ && thread_.send(bytes); }
+  /// more than 256 bytes would wait, because the device does not take those sent before. The
+  /// latter is counted (`unsent`), and the warning `takes_no_bytes` lasts until the next one that
+  /// finds room. [rt]
+  bool send(std::string_view bytes);
 
   mauve::Property<std::string> device;  ///< to be opened
   mauve::Property<int> baud;            ///< the speed
   Counter device_errors;                ///< times it was not there or went away
   Counter reopened;                     ///< times it came, or came back
   Counter received;                     ///< bytes, counted as they come
+  Counter unsent;                       ///< commands that found no room
+  mauve::Warning unplugged;             ///< lasts while the device is not there
+  mauve::Warning takes_no_bytes;        ///< lasts from such a command to the next one with room
 
  private:
   void begin_job(LineBytes& line);
@@ -86,7 +91,6 @@ class DeviceLine {
   mauve::Instant heard_ = 0;  // when the last bytes came
   std::size_t bytes_left_ = 0;
   bool lost_ = true;
-  bool reported_lost_ = false;
 };
 
 }  // namespace mauve::serial
