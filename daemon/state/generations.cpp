@@ -26,8 +26,11 @@ using protocol::Json;
 constexpr std::array<std::string_view, 3> kMarks = {"unconfirmed", "confirmed", "rolled_back"};
 constexpr std::string_view kBegin = "// mauve generation ";
 constexpr std::size_t kDigits = 6;
-/// No run comes near it: such a file is none of ours, and numbers go on after it all the same.
+/// No run comes near it: a file with a larger number is none of ours.
 constexpr std::uint64_t kMostNumber = 1'000'000'000'000;
+/// A damaged file keeps its number from being used again. A larger number than this is no number
+/// of a generation: those after it would soon be too large to be read.
+constexpr std::uint64_t kMostOfDamaged = 1'000'000'000;
 
 /// FNV-1a: notices damage, no more is asked of it.
 std::uint64_t checksum(std::string_view text, std::uint64_t sum = 0xcbf29ce484222325U) {
@@ -189,8 +192,9 @@ void Generations::look() {
     if (auto read = read_generation(it->path(), *number)) {
       about = std::move(read->about);
     }
+    const bool counts = !about.damaged || *number <= kMostOfDamaged;
     known_[*number] = std::move(about);
-    newest_ = std::max(newest_, *number);
+    if (counts) newest_ = std::max(newest_, *number);
   }
 }
 

@@ -117,6 +117,22 @@ TEST_F(GenerationsTest, ThatAnOlderMauvedSavedRecordNoBuild) {
   EXPECT_TRUE(kept->find(1)->builds.empty());
 }
 
+TEST_F(GenerationsTest, GoOnAfterTheNewestThatWasMadeAlthoughAFileHasAnEnormousNumber) {
+  ASSERT_TRUE(kept->save(numbered(41), "{}"));
+  dir.write("generations/999999999999.json", "{}");
+  dir.write("generations/000042.json", "no generation");
+
+  open();
+
+  EXPECT_EQ(kept->newest(), 42U) << "a damaged file keeps its number";
+  for (std::uint64_t number = 43; number < 46; ++number) {
+    ASSERT_TRUE(kept->save(numbered(number), "{}"));
+  }
+  open();
+  EXPECT_EQ(kept->newest(), 45U);
+  EXPECT_TRUE(kept->find(45));
+}
+
 TEST_F(GenerationsTest, OfWhichAFileIsDamagedAreListedAsSuchAndNotRead) {
   ASSERT_TRUE(kept->save(numbered(1), "{ \"gain\": 1 }"));
   ASSERT_TRUE(kept->save(numbered(2), "{ \"gain\": 2 }"));
