@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/path_rule.h"
 
+#include "base/terminal_text.h"
 #include "base/thread_role.h"
 
 #include <algorithm>
@@ -84,13 +85,14 @@ Status lies_within(const PropertyBase& property, const Value& value,
     return ok();
   }
   if (!failed && is_shared(path)) {
-    return refuse({Errc::not_permitted, "path_not_allowed"}, property.address(),
-                  "'" + *text + "' lies where every user may exchange a file for a link",
-                  "name a device, or let mauved allow the directory: --allow-path DIR");
+    return refuse(
+        {Errc::not_permitted, "path_not_allowed"}, property.address(),
+        "'" + beginning_of(*text) + "' lies where every user may exchange a file for a link",
+        "name a device, or let mauved allow the directory: --allow-path DIR");
   }
   places.insert(places.end(), more.begin(), more.end());
   return refuse({Errc::not_permitted, "path_not_allowed"}, property.address(),
-                "'" + *text + "' is outside of " + listed(places),
+                "'" + beginning_of(*text) + "' is outside of " + listed(places),
                 "other paths are named in the architecture file, or allowed by mauved "
                 "--allow-path DIR");
 }

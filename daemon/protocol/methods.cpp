@@ -104,6 +104,9 @@ constexpr std::array<std::pair<std::string_view, std::size_t>, 4> kLongerTexts =
     {"reason", 1000},
 }};
 
+/// Of a list or a map that a client sends: each item takes time of [control] too.
+constexpr std::size_t kMostItems = 1024;
+
 std::size_t longest_of(const Field& param) {
   if (param.type.kind == Type::Kind::duration || param.type.kind == Type::Kind::time) {
     return kLongestTime;
@@ -134,6 +137,15 @@ std::size_t longest_in(const Json& value, const Type& type) {
     longest = std::max(longest, characters(item.get_ref<const std::string&>()));
   }
   return longest;
+}
+
+std::optional<Fault> too_many(const Method& method, const Field& param, const Json& value) {
+  const std::size_t given = value.size();
+  if (param.type.shape == Type::Shape::one || given <= kMostItems) return std::nullopt;
+  return fault_of(kInvalidParams,
+                  "argument '" + std::string(param.name) + "' has " + std::to_string(given) +
+                      " items, and at most " + std::to_string(kMostItems) + " are read",
+                  std::string(method.name));
 }
 
 std::optional<Fault> too_long(const Method& method, const Field& param, const Json& value) {
@@ -200,6 +212,7 @@ std::optional<Fault> check_params(const Method& method, const Json& params) {
     const auto param = std::ranges::find(known, name, &Field::name);
     if (param == known.end()) return unknown_argument(method, name, known);
     if (fits(value, param->type)) {
+      if (auto refused = too_many(method, *param, value)) return refused;
       if (auto refused = too_long(method, *param, value)) return refused;
       continue;
     }

@@ -4,6 +4,8 @@
 #include <limits>
 #include <optional>
 
+#include "base/terminal_text.h"
+
 namespace mauve::detail {
 namespace {
 
@@ -12,7 +14,7 @@ std::string shown(const Value& value) {
   std::string text = to_string(value);
   const bool is_double = value.get_if<double>() != nullptr;
   if (is_double && text.find_first_not_of("-0123456789") == std::string::npos) text += ".0";
-  return text;
+  return beginning_of(text);
 }
 
 /// The addition about a text that was meant as a structure or an array.
@@ -71,8 +73,8 @@ std::string fields_in_words(std::string_view type, std::span<const std::string_v
 
 Error no_field(const std::string& name, std::string_view type,
                std::span<const std::string_view> fields) {
-  return refuse({Errc::unknown_name, "unknown_field"}, name, "is no field of " + std::string(type),
-                fields_in_words(type, fields));
+  return refuse({Errc::unknown_name, "unknown_field"}, beginning_of(name),
+                "is no field of " + std::string(type), fields_in_words(type, fields));
 }
 
 std::optional<double> number_of_word(const Value& value) {
@@ -88,7 +90,7 @@ std::optional<double> number_of_word(const Value& value) {
 Error out_of_range(std::int64_t low, std::uint64_t high, const Value& value) {
   return refuse(
       {Errc::invalid_value, "value_out_of_range"}, {},
-      to_string(value) + " is not from " + std::to_string(low) + " to " + std::to_string(high));
+      shown(value) + " is not from " + std::to_string(low) + " to " + std::to_string(high));
 }
 
 }  // namespace mauve::detail

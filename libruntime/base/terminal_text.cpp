@@ -52,4 +52,13 @@ std::string json_for_terminals(std::string json) {
   return json;
 }
 
+std::string beginning_of(std::string_view text) {
+  constexpr std::size_t kLongestShown = 120;
+  constexpr std::size_t kBeginning = 60;
+  if (text.size() <= kLongestShown) return std::string(text);
+  std::size_t end = kBeginning;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+  return std::string(text.substr(0, end)) + "... (" + std::to_string(text.size()) + " bytes)";
+}
+
 }  // namespace mauve

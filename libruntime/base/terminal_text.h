@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Texts of others, which may hold characters that a terminal obeys.
+/// Texts of others, which may be long, and may hold characters that a terminal obeys.
 #pragma once
 
 #include <cstddef>
@@ -16,5 +16,9 @@ namespace mauve {
 /// The same JSON, in which DEL, C1 controls, separators and marks are written as "\u202e". JSON has
 /// no control characters of C0 within strings. [any]
 [[nodiscard]] std::string json_for_terminals(std::string json);
+
+/// The text itself, or the beginning of a long one and its length: a message of one sentence does
+/// not repeat 900 kB. [any but rt]
+[[nodiscard]] std::string beginning_of(std::string_view text);
 
 }  // namespace mauve

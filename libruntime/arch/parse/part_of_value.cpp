@@ -2,6 +2,7 @@
 #include "arch/parse/part_of_value.h"
 
 #include "arch/parse/quantity.h"
+#include "base/terminal_text.h"
 #include "mauve/host/architecture.h"
 
 namespace mauve::arch {
@@ -54,7 +55,8 @@ Error part_not_set(const Architecture& architecture, std::string_view address,
   std::string hint = "mauvectl show " + target->element.name() + " lists the properties";
   if (target->property != nullptr) {
     hint = "mauvectl set " + std::string(whole) + "='" +
-           nested(address.substr(whole.size() + 1), value) + "'; it keeps the other fields";
+           nested(address.substr(whole.size() + 1), beginning_of(value)) +
+           "'; it keeps the other fields";
   } else if (target->service != nullptr && target->element.resource->find_service("write")) {
     hint = "mauvectl write " + target->element.name() + ".write '{...}' takes a whole value";
   }

@@ -25,5 +25,20 @@ TEST(TerminalText, IsEscapedInJsonWithoutAChangeOfItsMeaning) {
             "{\n  \"a\": \"\\u202egnp.exe\\u007f \\u009b31m \u00B5\\u2028\"\n}");
 }
 
+TEST(BeginningOfALongText, LeavesAShortTextAsItIs) {
+  EXPECT_EQ(beginning_of(""), "");
+  EXPECT_EQ(beginning_of(std::string(120, 'x')), std::string(120, 'x'));
+}
+
+TEST(BeginningOfALongText, HasTheBeginningAndTheLengthOfALongText) {
+  EXPECT_EQ(beginning_of(std::string(900'000, 'x')), std::string(60, 'x') + "... (900000 bytes)");
+}
+
+TEST(BeginningOfALongText, DoesNotCutALetter) {
+  std::string text(59, 'x');
+  for (int i = 0; i < 60; ++i) text += "\u00e4";
+  EXPECT_EQ(beginning_of(text), std::string(59, 'x') + "... (179 bytes)");
+}
+
 }  // namespace
 }  // namespace mauve

@@ -52,6 +52,34 @@ TEST(CheckParams, RefusesATextThatIsLongerThanAnyNameInOneSentence) {
             "argument 'address' has a text of 501 characters, and at most 500 are read");
 }
 
+/// So many items of this type, which is a list or a map.
+Json items_of(const Type& type, std::size_t count) {
+  const bool map = type.shape == Type::Shape::map;
+  Json items = map ? Json::object() : Json::array();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Json item = type.kind == Type::Kind::object ? Json::object() : Json(std::to_string(i));
+    if (map) items[std::to_string(i)] = item;
+    if (!map) items.push_back(item);
+  }
+  return items;
+}
+
+TEST(CheckParams, HasAGreatestNumberOfItemsForEachListAndMapOfEachMethod) {
+  int tried = 0;
+  for (const Method& method : methods()) {
+    for (const Field& param : all_params(method)) {
+      const Json value = items_of(param.type, 1025);
+      if (param.type.shape == Type::Shape::one || !fits(value, param.type)) continue;
+      ++tried;
+      const auto fault = check_params(method, {{std::string(param.name), value}});
+      ASSERT_TRUE(fault) << method.name << " " << param.name;
+      EXPECT_NE(fault->message.find("has 1025 items, and at most 1024 are read"), std::string::npos)
+          << method.name << ": " << fault->message;
+    }
+  }
+  EXPECT_GT(tried, 4) << "lists and maps of names and values";
+}
+
 /// A value of this type whose text has so many characters; null: it has no text.
 Json long_value(const Type& type, std::size_t characters) {
   if (!type.choices.empty()) return nullptr;
