@@ -20,6 +20,8 @@ std::string did_in_words(const Json& failure) {
            generation;
   if (did == "fell_back") return "its fallback core " + core + " took over" + generation;
   if (did == "restarted") return "a fresh core took over" + generation;
+  if (did == "recovers")
+    return "its safe values are written, and another core takes over by itself";
   return "it was stopped with its safe values written; others go on";
 }
 

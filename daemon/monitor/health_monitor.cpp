@@ -105,7 +105,7 @@ void HealthMonitor::look() {
   repeated_.report_locks(*running_);
   report_outcomes();
   if (++looks_ % kLooksANotice == 0) {
-    notice_parked(*running_);
+    notice_failed(*running_);
     repeated_.report_components(*running_);
   }
   look_at_places(*running_);

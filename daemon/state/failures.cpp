@@ -14,8 +14,8 @@ constexpr std::int64_t kLogNeeds = 200'000'000;
 }  // namespace
 
 std::string_view to_string(Reaction reaction) {
-  constexpr std::array<std::string_view, 4> kNames = {"parked", "rolled_back", "fell_back",
-                                                      "restarted"};
+  constexpr std::array<std::string_view, 5> kNames = {"parked", "rolled_back", "fell_back",
+                                                      "restarted", "recovers"};
   return kNames.at(static_cast<std::size_t>(reaction));
 }
 
@@ -42,16 +42,24 @@ const Attempt* Failures::last_change(const std::string& component) const {
 void Failures::note(const std::string& component, Failure failure) {
   auto& entry = entries_[component];
   const std::uint64_t before = entry.failure ? entry.failure->times : 0;
-  failure.times = knows(component, failure.monotonic_ns) ? before : before + 1;
+  failure.times = at(component, failure.monotonic_ns) != nullptr ? before : before + 1;
   failure.change = entry.change;
   entry.failure = std::move(failure);
   entry.complete = false;
 }
 
-bool Failures::knows(const std::string& component, std::int64_t monotonic_ns) const {
+const Failure* Failures::at(const std::string& component, std::int64_t monotonic_ns) const {
   const auto found = entries_.find(component);
-  return found != entries_.end() && found->second.failure &&
-         found->second.failure->monotonic_ns == monotonic_ns;
+  const bool known = found != entries_.end() && found->second.failure &&
+                     found->second.failure->monotonic_ns == monotonic_ns;
+  return known ? &*found->second.failure : nullptr;
+}
+
+bool Failures::knows(const std::string& component, std::int64_t monotonic_ns,
+                     Reaction reaction) const {
+  const auto* known = at(component, monotonic_ns);
+  return known != nullptr &&
+         (reaction == Reaction::recovers || known->reaction != Reaction::recovers);
 }
 
 void Failures::ask_log(const logging::History& history, std::int64_t now) {

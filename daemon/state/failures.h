@@ -24,8 +24,14 @@ struct Attempt {
 };
 
 /// The reaction of the system to a failure.
-enum class Reaction : std::uint8_t { parked, rolled_back, fell_back, restarted };
-/// "parked", "rolled_back", "fell_back", "restarted".
+enum class Reaction : std::uint8_t {
+  parked,
+  rolled_back,
+  fell_back,
+  restarted,
+  recovers,  ///< not ended: another core takes over by itself
+};
+/// "parked", "rolled_back", "fell_back", "restarted", "recovers".
 [[nodiscard]] std::string_view to_string(Reaction reaction);
 
 /// A core, and the build of its plugin.
@@ -69,8 +75,10 @@ class Failures {
   /// the system has done something else meanwhile: it is counted once. The log is asked later:
   /// real-time threads report it a little after things happen.
   void note(const std::string& component, Failure failure);
-  /// Is the failure of this instant the last one that was noted?
-  [[nodiscard]] bool knows(const std::string& component, std::int64_t monotonic_ns) const;
+  /// Is the failure of this instant the last one that was noted, and is nothing newer known of the
+  /// reaction?
+  [[nodiscard]] bool knows(const std::string& component, std::int64_t monotonic_ns,
+                           Reaction reaction) const;
   /// Adds the records of the log to those failures that are old enough.
   void ask_log(const logging::History& history, std::int64_t now);
   /// The same at once; null: it never failed.
@@ -79,6 +87,7 @@ class Failures {
   void keep_only(const std::set<std::string>& components);
 
  private:
+  [[nodiscard]] const Failure* at(const std::string& component, std::int64_t monotonic_ns) const;
   struct Entry {
     CoreBuild core;
     std::optional<Attempt> change;

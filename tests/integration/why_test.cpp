@@ -8,6 +8,7 @@ namespace {
 using testing::AnyOf;
 using testing::Contains;
 using testing::HasSubstr;
+using testing::Not;
 
 /// "first" runs with this core, and with these attributes.
 std::string trial_with(const std::string& core, const std::string& task,
@@ -94,7 +95,12 @@ TEST(Why, AComponentThatWaitsForItsRestartSaysWhenAndHowManyAreLeft) {
   EXPECT_GT(waits["recovery"]["in_ns"].get<std::int64_t>(), 3'000'000'000'000) << "of an hour";
   EXPECT_EQ(waits["fault"], "division by something");
   EXPECT_THAT(daemon.ctl({"status"}).out, HasSubstr("restarts with a fresh core"));
-  EXPECT_THAT(why_first(daemon), HasSubstr("3 restarts left"));
+  const auto said = why_first(daemon);
+  EXPECT_THAT(said, HasSubstr("3 restarts left"));
+  EXPECT_THAT(said, Not(HasSubstr("did not fail")));
+  EXPECT_THAT(said, Not(HasSubstr("nothing failed")));
+  EXPECT_THAT(said, HasSubstr("threw: division by something"));
+  EXPECT_THAT(said, HasSubstr("another core takes over by itself"));
   EXPECT_EQ(daemon.ask("object.get", {{"address", "first"}})["state"], "recovering");
 }
 

@@ -74,15 +74,17 @@ void notice(Running& running, const Outcome& outcome) {
   remember_cores(running);
 }
 
-void notice_parked(Running& running) {
+void notice_failed(Running& running) {
   MAUVE_ON_THREAD(control);
   for (const auto& one : running.deployer.status()) {
-    const bool parked = one.state == ComponentState::faulted && one.incident;
-    if (!parked || is_place(running, one.name) ||
-        running.failures.knows(one.name, one.incident->time)) {
+    const auto reaction =
+        one.state == ComponentState::recovering ? Reaction::recovers : Reaction::parked;
+    if (!one.incident || is_place(running, one.name) ||
+        running.failures.knows(one.name, one.incident->time, reaction)) {
       continue;
     }
     auto failure = failure_of(running, one.name, *one.incident);
+    failure.reaction = reaction;
     failure.core_after = one.core;
     failure.generation = failure.generation_after = running.generation;
     running.failures.note(one.name, std::move(failure));

@@ -13,7 +13,8 @@ void remember_cores(Running& running);
 /// [control] Something took over from a core that failed.
 void notice(Running& running, const Outcome& outcome);
 
-/// [control] Looks for components that failed and were stopped; asks the log about all failures.
-void notice_parked(Running& running);
+/// [control] Looks for components that failed, and stand or recover; asks the log about all
+/// failures.
+void notice_failed(Running& running);
 
 }  // namespace mauve::daemon

@@ -89,8 +89,6 @@ Json lock_request(const Running& running) {
   return {{"uid", uid}, {"time", time}, {"reason", reason}};
 }
 
-/// Of the plugins that still run in the build of the start, which is another one than that of the
-/// saved generation.
 /// Warnings that last, such as "imu.core.silent lasts for 12s: its device sends nothing".
 void add_warnings(Json& notes, const Running& running, const CoreBase& core) {
   for (const auto* observable : core.observables()) {
@@ -107,6 +105,8 @@ void add_warnings(Json& notes, const Running& running, const CoreBase& core) {
   }
 }
 
+/// Last, of the plugins that still run in the build of the start, which is another one than that of
+/// the saved generation.
 Json notes_of(const Running& running) {
   Json notes = wiring_notes(running);
   for (const auto* component : running.architecture.components()) {

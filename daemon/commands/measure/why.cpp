@@ -5,6 +5,7 @@
 
 #include "commands/answer.h"
 #include "commands/look/log_json.h"
+#include "commands/look/notice.h"
 #include "commands/measure/kernel_counts.h"
 #include "commands/measure/more_urgent.h"
 #include "commands/model.h"
@@ -123,6 +124,7 @@ void add_next_steps(const Running& running, const std::string& name, const Failu
     case Reaction::fell_back:
       hints.push_back("mauvectl swap-core " + name + " " + core + ": once the core is corrected");
       break;
+    case Reaction::recovers:
     case Reaction::restarted:
       hints.push_back("mauvectl show " + name + ": whether " + name + " still fails");
       break;
@@ -249,7 +251,13 @@ void add_steps_of_a_late_one(const Running& running, const ComponentStatus& stat
   if (status.missed + status.overruns == 0 && status.late == Duration{0}) {
     return;
   }
-  for (auto& hint : more_urgent_hints(status, running.deployer.status())) {
+  auto urgent = more_urgent_hints(status, running.deployer.status());
+  if (urgent.empty() && status.realtime) {
+    urgent.emplace_back(
+        "mauvectl doctor: the real-time threads of other programs (`foreign "
+        "threads`), that with the most processor time first");
+  }
+  for (auto& hint : urgent) {
     hints.push_back(std::move(hint));
   }
   if (!failed && !own_job_too_long(status)) {
@@ -265,6 +273,7 @@ Result<Json> why(Running& running, const Call& call) {
   if (!component) {
     return component.error();
   }
+  notice_failed(running);
   const auto status = running.deployer.status(name);
   const auto* failure = running.failures.find(name, running.log.history());
   const auto* change = failure != nullptr ? change_before(running, name, *failure)

@@ -147,8 +147,24 @@ TEST_F(FailuresTest, CountAFailureOnceWhateverIsDoneAboutIt) {
 
   EXPECT_EQ(failures.find("arm", history)->times, 1U);
   EXPECT_EQ(failures.find("arm", history)->reaction, Reaction::restarted);
-  EXPECT_TRUE(failures.knows("arm", kOneSecond));
-  EXPECT_FALSE(failures.knows("arm", kOneSecond + 1)) << "it was started, and failed again";
+  EXPECT_TRUE(failures.knows("arm", kOneSecond, Reaction::parked));
+  EXPECT_FALSE(failures.knows("arm", kOneSecond + 1, Reaction::parked))
+      << "it was started, and failed again";
+}
+
+TEST_F(FailuresTest, WhoseReactionIsNotOverAreKnownUntilItEnds) {
+  auto recovers = at(kOneSecond);
+  recovers.reaction = Reaction::recovers;
+  failures.note("arm", recovers);
+
+  EXPECT_TRUE(failures.knows("arm", kOneSecond, Reaction::recovers));
+  EXPECT_FALSE(failures.knows("arm", kOneSecond, Reaction::parked)) << "it recovers no more";
+
+  failures.note("arm", at(kOneSecond));
+
+  EXPECT_TRUE(failures.knows("arm", kOneSecond, Reaction::recovers));
+  EXPECT_TRUE(failures.knows("arm", kOneSecond, Reaction::parked));
+  EXPECT_EQ(failures.find("arm", history)->times, 1U);
 }
 
 TEST_F(FailuresTest, AreForgottenWhenTheComponentLeaves) {
