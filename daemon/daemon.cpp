@@ -51,6 +51,19 @@ std::string random_id() {
   return id;
 }
 
+/// "first, the hook second.core on_configure"
+std::string listed(const std::vector<std::string>& components,
+                   const std::vector<AbandonedThread>& hooks) {
+  std::string text;
+  for (const auto& name : components) {
+    text += (text.empty() ? "" : ", ") + name;
+  }
+  for (const auto& left : hooks) {
+    text += (text.empty() ? "the hook " : ", the hook ") + left.hook;
+  }
+  return text;
+}
+
 }  // namespace
 
 Daemon::Daemon(Options options)
@@ -323,9 +336,13 @@ int Daemon::shut_down(const std::string& cause) {
   for (const auto& left : hooks) {
     log_.write(Event::hook_abandoned, {{"hook", left.hook}});
   }
+  const bool tidy = abandoned.empty() && hooks.empty();
+  if (!tidy) {
+    log_.write(Event::threads_left, {{"text", listed(abandoned, hooks)}});
+  }
   log_.write(Event::daemon_stopped);
   log_.stop();
-  if (!abandoned.empty() || !hooks.empty()) {
+  if (!tidy) {
     // A thread still runs in code that a tidy end would unmap under its feet.
     _exit(1);
   }
