@@ -31,13 +31,21 @@ std::vector<std::string> value_names(const Element& element) {
   return names;
 }
 
+/// Another core of the same component may have the value: the message names the one in force.
+std::string nothing_of_this_name(const Element& element, std::string_view address) {
+  const bool of_core = address.substr(element.name().size()).starts_with(".core.");
+  if (!of_core || element.component == nullptr) return "there is nothing of this name";
+  return "core " + element.component->bundle()->core_type.name +
+         ", which is in force, has no value of this name";
+}
+
 Error unknown_value(const Element& element, std::string_view address) {
   auto hint = did_you_mean(address, value_names(element));
   if (hint.empty()) {
     hint = "mauvectl show " + element.name() + " lists what it has";
   }
   return refuse({Errc::unknown_name, "unknown_address"}, std::string(address.substr(0, 255)),
-                "there is nothing of this name", std::move(hint));
+                nothing_of_this_name(element, address), std::move(hint));
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "arch/compare/describe.h"
 #include "arch/parse/part_of_value.h"
 #include "arch/parse/quantity.h"
+#include "arch/parse/target.h"
 #include "arch/parse/transaction.h"
 #include "arch/text/value_json.h"
 #include "mauve/host/architecture.h"
@@ -282,6 +283,13 @@ TEST_F(RulesInFiles, NameTheWholeValueToARequestForAPartOfIt) {
   EXPECT_EQ(get("scan.read.ranges"), "part_without_address: mauvectl get scan.read");
   EXPECT_EQ(get("pose.read.depth"), "unknown_field: it has: x, y");
   EXPECT_EQ(get("pose.reed.x"), "unknown_address: ");
+  const auto message = [&](const char* address) {
+    return find_target(*architecture, address).error().message;
+  };
+  EXPECT_EQ(message("left.core.hme"),
+            "core " + architecture->find_component("left")->bundle()->core_type.name +
+                ", which is in force, has no value of this name");
+  EXPECT_EQ(message("left.fsm.hme"), "there is nothing of this name");
 }
 
 }  // namespace
