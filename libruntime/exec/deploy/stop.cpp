@@ -163,6 +163,8 @@ void Stop::park_free() {
       names.push_back(deployed->component->name());
       content->members.push_back(member_of(*deployed->component, Mode::park));
       deployed->parking = true;
+    } else {
+      deployed->task->outputs().stand();  // its orders once more
     }
     return true;
   });
@@ -201,6 +203,7 @@ void Stop::take_answer(const Commit& commit) {
 void Stop::stop_waiting_for(Deployed& deployed) {
   if (deployed.component == nullptr || !hung_.insert(&deployed).second) return;
   write_safe_values_on_behalf(*deployed.component->bundle());
+  deployed.task->outputs().stand();
 }
 
 void Stop::begin_reading() {

@@ -12,7 +12,6 @@
 #include "exec/run/turn_watch.h"
 #include "exec/task/task.h"
 #include "model/job/keep_for_abandoned.h"
-#include "rt/guardian/guarded_outputs.h"
 #include "rt/guardian/guardian_page.h"
 #include "rt/process/pulse.h"
 #include "rt/thread/fence.h"
@@ -177,7 +176,6 @@ class Threads final : public Runner {
 
     Task& task;
     rt::ThreadAttributes attributes;
-    const std::uint64_t key = rt::guarded_key(task.name());  // its guarded outputs
     TurnWatch turn;
     std::atomic<bool> quit{false};
     std::vector<std::shared_ptr<const Bundle>> inside;  // once lost: the bundles it may use
@@ -282,7 +280,7 @@ class Threads final : public Runner {
     const Duration bound = worker.task.bound(worker.attributes.priority > 0);
     if (worker.quit.load()) return true;
     const Instant release = worker.task.known_release();
-    if (rt::holds_guarded_output(worker.key) &&
+    if (worker.task.outputs().holds_any() &&
         !worker.turn.look(now(), {release, worker.thread.used(), bound},
                           [&worker] { return worker.thread.asleep(); })) {
       return false;

@@ -208,6 +208,7 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::take_rest(TaskUpdate& next) {
   TaskUpdate* const old = task_.current;
   put_in_place(next);
   rearm(next, was_running);
+  task_.show_core();
   unacknowledged_ = &next;
   task_.mailbox.retire(*old);
 }

@@ -92,6 +92,7 @@ bool FaultReaction::may_recover() const {
 
 void FaultReaction::pass_release() {
   if (!may_recover()) return task_.park(ComponentState::faulted);
+  task_.show_core();  // too many late jobs, and the next core waits
   task_.miss(1, task_.clock.now());
   task_.arm(task_.release + task_.current->grid.count());
 }
@@ -101,6 +102,7 @@ void FaultReaction::fail(Cause cause) {
   trigger_rollback();
   task_.failed.fail(cause, task_.clock.now());
   if (!may_recover()) return task_.park(ComponentState::faulted);
+  task_.show_core();
   task_.wait = task_.current->grid;
   task_.arm(task_.release + task_.wait.count());
 }

@@ -36,6 +36,7 @@ void Task::begin(std::unique_ptr<TaskUpdate> first, Instant t0) {
   context_.running = attributes.start && current.mode != Mode::park;
   context_.report.counters().state.store(context_.running ? ComponentState::running
                                                           : ComponentState::stopped);
+  context_.show_core();
   if (context_.running) {
     context_.report.record(TraceKind::started, context_.clock.now(), context_.release - t0);
   }

@@ -41,6 +41,8 @@ class Task {
   /// While its core has failed, the task waits for its rollback or its standby core. It parks as
   /// faulted once nothing can recover it.
   [[nodiscard]] CoreFailure& core_failure() { return context_.failed; }
+  /// Its guarded outputs, to be asked; stand() also by [control] when no job commands them.
+  [[nodiscard]] rt::GuardedComponent& outputs() { return context_.outputs; }
   /// The task runs a core whose last jobs exceeded their budget, without a verdict yet. [any]
   [[nodiscard]] bool suspected() const;
 

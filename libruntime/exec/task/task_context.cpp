@@ -5,11 +5,12 @@
 #include <utility>
 
 #include "exec/update/task_update.h"
-#include "rt/guardian/guarded_outputs.h"
 #include "rt/process/cache.h"
 
+#include <mauve/core.h>
 #include <mauve/fsm.h>
 #include <mauve/host/component.h>
+#include <mauve/shell.h>
 
 namespace mauve::exec {
 namespace {
@@ -24,24 +25,27 @@ const Clock* simulated(const Clock& clock) {
 TaskContext::TaskContext(std::string name, const Clock& its_clock,
                          std::shared_ptr<const rt::Noise> noise)
     : clock(its_clock),
-      guarded_key(rt::guarded_key(name)),
       report(std::move(name), clock, simulated(clock)),
+      outputs(report.name()),
       meter(simulated(clock), std::move(noise)) {}
 
-TaskContext::~TaskContext() {
-  rt::GuardedOutputs::of_process().forget(report.counters().state);
-  delete current;
-}
+TaskContext::~TaskContext() { delete current; }
 
 void TaskContext::park(ComponentState as) {
   running = false;
   failed.forget();
   parked_at = clock.now();
   report.counters().state.store(as, std::memory_order_release);
-  rt::send_safe_orders(guarded_key, report.counters().state);
+  outputs.stand();
   if (as != ComponentState::stopped) return;
   report.record(TraceKind::stopped, parked_at, parked_at - t0);
   report.note(rt::EventKind::stopped, LogLevel::info, parked_at - t0);
+}
+
+MAUVE_RUNS_AT_A_SWAP void TaskContext::show_core() {
+  const Configurable* const core = current->bundle->core.get();
+  const Configurable* const shell = current->bundle->shell.get();
+  outputs.put_in_force(core, shell, running && !failed);
 }
 
 MAUVE_RUNS_AT_A_SWAP void TaskContext::miss(std::uint64_t releases, Instant time, bool planned) {

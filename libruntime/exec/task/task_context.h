@@ -12,6 +12,7 @@
 #include "exec/task/job_watch.h"
 #include "exec/task/mailbox.h"
 #include "exec/task/task_report.h"
+#include "rt/guardian/guarded_component.h"
 #include "rt/machine/noise.h"
 
 #include <mauve/host/clock.h>
@@ -34,8 +35,8 @@ struct TaskContext {
   TaskContext& operator=(const TaskContext&) = delete;
 
   const Clock& clock;
-  const std::uint64_t guarded_key;  ///< of its safe orders (rt/guardian/guarded_outputs.h)
   TaskReport report;
+  rt::GuardedComponent outputs;
   Mailbox mailbox;
   JobWatch watch;
 
@@ -70,6 +71,8 @@ struct TaskContext {
   [[nodiscard]] bool due() const { return running && clock.now() >= release; }
   /// The task runs no job until it is started again.
   void park(ComponentState as);
+  /// Tells the guarded outputs which core is in force, and whether its jobs command them.
+  void show_core();
   /// Releases without a job. `planned`: a change lets them pass, no thread was late.
   void miss(std::uint64_t releases, Instant time, bool planned = false);
   /// Touches the cache lines that a swap writes here; those of the mailbox it only requests.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Guarded: bytes that put an output into its safe state. mauved sends them when the component of
-/// the output is stopped, fails or is removed. The guardian process sends them when mauved ends
-/// without notice, or falls silent. For devices that go on with the last command they
-/// were given. A device that stops by itself when commands cease is better: switch that on where
-/// there is one. Neither is an emergency stop.
+/// Guarded: bytes that put an output into its safe state. mauved sends them when no job commands
+/// the output any more: its component is stopped, fails or is removed, or its core leaves the
+/// device. The guardian process sends them when mauved ends without notice, or falls silent. For
+/// devices that go on with the last command they were given. A device that stops by itself when
+/// commands cease is better: switch that on where there is one. Neither is an emergency stop.
 #pragma once
 
 #include <chrono>
@@ -43,9 +43,10 @@ class Guarded {
   Guarded& operator=(const Guarded&) = delete;
 
   /// After the device was opened, or opened again: the order is sent to this descriptor from now
-  /// on, in place of the one before. The descriptor stays the caller's, must have been opened with
-  /// O_NONBLOCK, and may be closed after drop(). Refused when the order cannot be one, and under
-  /// `mauved --guardian require` when there is no guardian.
+  /// on, in place of the one before. It is sent at once while the component stands or recovers. The
+  /// descriptor stays the caller's, must have been opened with O_NONBLOCK, and may be closed after
+  /// drop(). Refused when the order cannot be one, and under `mauved --guardian require` when there
+  /// is no guardian.
   Status hold(int descriptor, const SafeOrder& order);
   /// Before the device is closed. After a stop it waits until the order has gone out, at most some
   /// 200 ms. When it returns, nothing is sent to the device any more, unless the guardian did not

@@ -7,7 +7,7 @@ namespace mauve {
 
 Status Guarded::hold(int descriptor, const SafeOrder& order) {
   const std::string name = owner_.address() + "." + std::string(name_);
-  Status held = rt::GuardedOutputs::of_process().hold(this, name, descriptor, order);
+  Status held = rt::GuardedOutputs::of_process().hold({this, &owner_, name}, descriptor, order);
   if (!held) {
     Error error = held.error();
     error.at = name;

@@ -3,20 +3,20 @@
 
 #include <fcntl.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstring>
-#include <functional>
 #include <system_error>
 #include <utility>
 
 #include <mauve/host/clock.h>
-#include <mauve/host/report.h>
 
 #include "base/mutex.h"
+#include "rt/guardian/guarded_component.h"
 #include "rt/guardian/guardian_link.h"
 #include "rt/process/pulse.h"
 #include "rt/thread/futex.h"
@@ -50,37 +50,20 @@ void copy_into(std::array<char, N>& room, const std::string& text) {
   room[length] = '\0';
 }
 
-/// The part of an output that threads look at which take no lock.
-struct Slot {
-  std::atomic<std::uint64_t> key{0};  ///< of the component; 0: none
-  /// Set when the component stopped, and cleared by the thread that sends the order.
-  std::atomic<const std::atomic<ComponentState>*> parked{nullptr};
-};
-std::array<Slot, guardian::kMostOutputs> slots{};
+/// The same for each way to the device: a link, a name in another folder.
+std::uint64_t device_of(int descriptor) {
+  struct stat facts {};
+  if (fstat(descriptor, &facts) != 0) return 0;
+  constexpr unsigned kSystem = 48;  // the file system; devices and their names are few
+  return S_ISCHR(facts.st_mode) ? facts.st_rdev : facts.st_ino ^ facts.st_dev << kSystem;
+}
+
 std::atomic<std::uint32_t> sender_bell{0};  // of the thread that sends orders
 constexpr Duration kToGoOut = 500ms;
 
 }  // namespace
 
-std::uint64_t guarded_key(std::string_view address) {
-  return std::hash<std::string_view>{}(address.substr(0, address.find('.'))) | 1U;
-}
-
-bool holds_guarded_output(std::uint64_t key) {
-  return std::any_of(slots.begin(), slots.end(), [key](const Slot& one) {
-    return one.key.load(std::memory_order_relaxed) == key;
-  });
-}
-
-void send_safe_orders(std::uint64_t key, const std::atomic<ComponentState>& state) {
-  bool any = false;
-  for (Slot& slot : slots) {
-    if (slot.key.load(std::memory_order_relaxed) != key) continue;
-    slot.parked.store(&state, std::memory_order_release);
-    any = true;
-  }
-  if (any) futex_bump(sender_bell);
-}
+void wake_order_sender() { futex_bump(sender_bell); }
 
 GuardedOutputs& GuardedOutputs::of_process() {
   static auto* const all = new GuardedOutputs;  // plugins may drop theirs at the very end
@@ -100,10 +83,10 @@ Status GuardedOutputs::expect(GuardianUse use, std::function<void()> ring) {
   return sender_.start({"mauve-safe", 0, {}, 64 * 1024}, [this] { run_sender(); });
 }
 
-Result<GuardedOutputs::Held> GuardedOutputs::made(const void* owner, const std::string& name,
-                                                  int descriptor, const SafeOrder& order) const {
+Result<GuardedOutputs::Held> GuardedOutputs::made(const Owner& owner, int descriptor,
+                                                  const SafeOrder& order) const {
   Held held;
-  copy_into(held.order.name, name);
+  copy_into(held.order.name, owner.name);
   std::copy(order.bytes.begin(), order.bytes.end(), held.order.bytes.begin());
   held.order.size = static_cast<std::uint32_t>(order.bytes.size());
   held.order.times = static_cast<std::uint32_t>(order.times);
@@ -113,7 +96,7 @@ Result<GuardedOutputs::Held> GuardedOutputs::made(const void* owner, const std::
     return std::any_of(held_.begin(), held_.end(),
                        [&](const auto& one) { return one.second.slot == held.slot; });
   };
-  const auto before = held_.find(owner);
+  const auto before = held_.find(owner.owner);
   if (before != held_.end()) {
     held.slot = before->second.slot;
   } else {
@@ -131,18 +114,19 @@ Result<GuardedOutputs::Held> GuardedOutputs::made(const void* owner, const std::
     return refuse({Errc::system, "guardian_failed"}, {},
                   "its descriptor cannot be copied: " + std::generic_category().message(errno));
   }
+  held.device = device_of(descriptor);
   return held;
 }
 
-Status GuardedOutputs::hold(const void* owner, const std::string& name, int descriptor,
-                            const SafeOrder& order) {
+Status GuardedOutputs::hold(const Owner& by, int descriptor, const SafeOrder& order) {
   if (Status right = check(order); !right) return right;
+  const void* const owner = by.owner;
   MutexLock lock(mutex_);
   if (!keeps_) return ok();
-  auto next = made(owner, name, descriptor, order);
+  auto next = made(by, descriptor, order);
   if (!next) return next.error();
   held_[owner] = *std::move(next);
-  slots.at(held_[owner].slot).key = guarded_key(name);
+  show(by);
   if (socket_ >= 0) {
     hand_over(held_[owner]);
   } else if (ring_) {
@@ -161,7 +145,7 @@ Status GuardedOutputs::hold(const void* owner, const std::string& name, int desc
     why = "no guardian holds this output, and mauved --guardian require asks for one";
   }
   if (why.empty()) return ok();
-  slots.at(found->second.slot).key = 0;
+  clear(found->second.slot);
   held_.erase(found);
   return refuse({Errc::invalid_value, "output_not_guarded"}, {}, why,
                 "see mauvectl doctor, and man mauve-guardian");
@@ -180,8 +164,23 @@ void GuardedOutputs::drop(const void* owner) {
     const std::uint32_t number = send(request, -1);
     await(lock, number);
   }
-  slots.at(slot).key = 0;
+  clear(slot);
   held_.erase(owner);
+}
+
+void GuardedOutputs::show(const Owner& owner) {
+  const Held& held = held_[owner.owner];
+  OutputSlot& slot = output_slots.at(held.slot);
+  slot.holder = owner.holder;
+  slot.device = held.device;
+  for (GuardedComponent* component : components_) {
+    if (component->owns(owner.name)) component->add(held.slot);
+  }
+}
+
+void GuardedOutputs::clear(std::uint32_t slot) {
+  for (GuardedComponent* component : components_) component->remove(slot);
+  output_slots.at(slot).holder = nullptr;
 }
 
 void GuardedOutputs::send_again() {
@@ -252,7 +251,7 @@ void GuardedOutputs::leave() {
     keeps_ = false;
     use_ = GuardianUse::off;
     ring_ = nullptr;
-    for (Slot& slot : slots) slot.key = 0;
+    for (const auto& [owner, held] : held_) clear(held.slot);
     held_.clear();
     changed_.notify_all();
   }
@@ -261,17 +260,21 @@ void GuardedOutputs::leave() {
   sender_.join();
 }
 
-void GuardedOutputs::forget(const std::atomic<ComponentState>& state) {
+void GuardedOutputs::join(GuardedComponent& component) {
   const MutexLock lock(mutex_);
-  for (auto& [owner, held] : held_) {
-    auto* parked = &state;
-    if (slots.at(held.slot).parked.compare_exchange_strong(parked, nullptr)) {
-      held.sending.begin(held.order, MonotonicClock().now());
-      held.state = nullptr;
-    }
-    if (held.state == &state) held.state = nullptr;
+  components_.push_back(&component);
+  for (const auto& [owner, held] : held_) {
+    if (component.owns(held.order.name.data())) component.add(held.slot);
   }
-  futex_bump(sender_bell);
+}
+
+void GuardedOutputs::forget(GuardedComponent& component) {
+  {
+    const MutexLock lock(mutex_);
+    begin_due(component);
+    std::erase(components_, &component);
+  }
+  wake_order_sender();
 }
 
 void GuardedOutputs::run_sender() {
@@ -282,6 +285,7 @@ void GuardedOutputs::run_sender() {
     Instant next = kForever;
     {
       const MutexLock lock(mutex_);
+      for (GuardedComponent* component : components_) begin_due(*component);
       for (auto& [owner, held] : held_) {
         next = std::min(next, advance(held, MonotonicClock().now()));
       }
@@ -292,27 +296,40 @@ void GuardedOutputs::run_sender() {
   }
 }
 
+void GuardedOutputs::begin_due(GuardedComponent& component) {
+  const std::uint32_t due = component.take_due();
+  if (due == 0) return;
+  for (auto& [owner, held] : held_) {
+    if ((due & GuardedComponent::bit(held.slot)) == 0) continue;
+    held.sending.begin(held.order, MonotonicClock().now());
+  }
+}
+
 /// When to look at it again.
 Instant GuardedOutputs::advance(Held& held, Instant now) {
-  if (const auto* const parked = slots.at(held.slot).parked.exchange(nullptr)) {
-    held.state = parked;
-    held.sending.begin(held.order, now);
-  }
   if (!held.sending.under_way()) return kForever;
-  if (held.state != nullptr && held.state->load() == ComponentState::running) {
+  const bool commanded =
+      std::any_of(components_.begin(), components_.end(),
+                  [&](const GuardedComponent* one) { return one->commands(held.device); });
+  if (commanded) {
     held.sending.cancel();
     return kForever;
   }
   return held.sending.advance(held.order, held.descriptor.get(), now);
 }
 
+/// Is its order due, or on its way?
+bool GuardedOutputs::goes_out(const Held& held) const {
+  return held.sending.under_way() ||
+         std::any_of(components_.begin(), components_.end(),
+                     [&](const GuardedComponent* one) { return one->is_due(held.slot); });
+}
+
 /// Of this owner, or of all (null).
 void GuardedOutputs::await_sending(MutexLock& lock, const void* owner) {
   const auto gone_out = [&]() MAUVE_REQUIRES(mutex_) {
-    return std::none_of(held_.begin(), held_.end(), [&](const auto& one) {
-      const bool asked = owner == nullptr || one.first == owner;
-      return asked &&
-             (one.second.sending.under_way() || slots.at(one.second.slot).parked.load() != nullptr);
+    return std::none_of(held_.begin(), held_.end(), [&](const auto& one) MAUVE_REQUIRES(mutex_) {
+      return (owner == nullptr || one.first == owner) && goes_out(one.second);
     });
   };
   changed_.wait_for(lock, kToGoOut, gone_out);

@@ -19,11 +19,9 @@
 #include "rt/process/descriptor.h"
 #include "rt/thread/thread.h"
 
-namespace mauve {
+namespace mauve::rt {
 
-enum class ComponentState : std::uint8_t;
-
-namespace rt {
+class GuardedComponent;
 
 /// The fate of an output that no guardian holds.
 enum class GuardianUse : std::uint8_t {
@@ -32,26 +30,26 @@ enum class GuardianUse : std::uint8_t {
   require  ///< it is refused
 };
 
-/// Stands for the component whose name is the address, or begins it. Never 0.
-[[nodiscard]] std::uint64_t guarded_key(std::string_view address);
-/// A component with this key holds a guarded output. Never waits. [guard]
-[[nodiscard]] bool holds_guarded_output(std::uint64_t key);
+/// An order is due: wakes the thread that sends it. [rt] One system call.
+void wake_order_sender();
 
-/// The component with this key runs no more jobs: it was stopped, failed, or is removed. Its orders
-/// are sent soon, unless `state` says by then that it runs again. [rt] One system call at most.
-void send_safe_orders(std::uint64_t key, const std::atomic<ComponentState>& state);
-
-/// All outputs of the process that are to be guarded. Sends their orders while this process lives:
-/// see send_safe_orders(). Keeps a copy of each descriptor, so that a
-/// guardian that comes later gets it. Not on real-time threads.
+/// All outputs of the process that are to be guarded. Sends their orders while this process lives,
+/// when they are due (guarded_component.h). Keeps a copy of each descriptor, so that a guardian
+/// that comes later gets it. Not on real-time threads.
 class GuardedOutputs {
  public:
   static GuardedOutputs& of_process();
 
+  /// The `holder` is the core or shell that declares the owner, and `name` is its address.
+  struct Owner {
+    const void* owner = nullptr;
+    const void* holder = nullptr;
+    std::string name;
+  };
   /// Holds the order in place of the one that this owner had. Waits for the answer of the guardian,
   /// or until one was looked for, 2 s at most. Refused when it cannot be an order, and under
   /// `require` when no guardian has it then. [any]
-  Status hold(const void* owner, const std::string& name, int descriptor, const SafeOrder& order);
+  Status hold(const Owner& owner, int descriptor, const SafeOrder& order);
   /// Drops the order of this owner, if it has one. Waits until an order that is on its way has gone
   /// out, some 200 ms at most. When it returns, nothing is sent to that descriptor any more, or the
   /// guardian did not answer within a second. [any]
@@ -59,8 +57,10 @@ class GuardedOutputs {
   /// Lets the guardian send all orders again: an output that was made safe may have been live
   /// since. [any] Never waits.
   void send_again();
-  /// The component of `state` leaves: no thread reads `state` after this call. [any but rt]
-  void forget(const std::atomic<ComponentState>& state);
+  /// The component of some outputs; outputs and components come in any order. [any but rt]
+  void join(GuardedComponent& component);
+  /// Its orders that are due still go out. No thread reads it after this call. [any but rt]
+  void forget(GuardedComponent& component);
   /// The names of those that a guardian holds, or would if there were one. [any]
   [[nodiscard]] std::vector<std::string> names() const;
 
@@ -83,20 +83,24 @@ class GuardedOutputs {
     guardian::Order order;
     Descriptor descriptor;
     std::uint32_t slot = 0;
-    std::uint32_t number = 0;                            // of the request that hands it over
-    bool answered = false;                               // by the present guardian
-    std::string refused;                                 // the refusal of the guardian; empty: none
-    OrderSending sending;                                // of this process itself
-    const std::atomic<ComponentState>* state = nullptr;  // of the component; null: it has gone
+    std::uint32_t number = 0;  // of the request that hands it over
+    bool answered = false;     // by the present guardian
+    std::string refused;       // the refusal of the guardian; empty: none
+    OrderSending sending;      // of this process itself
+    std::uint64_t device = 0;  // see OutputSlot
   };
-  [[nodiscard]] Result<Held> made(const void* owner, const std::string& name, int descriptor,
-                                  const SafeOrder& order) const MAUVE_REQUIRES(mutex_);
+  [[nodiscard]] Result<Held> made(const Owner& owner, int descriptor, const SafeOrder& order) const
+      MAUVE_REQUIRES(mutex_);
+  void show(const Owner& owner) MAUVE_REQUIRES(mutex_);
+  void clear(std::uint32_t slot) MAUVE_REQUIRES(mutex_);
+  [[nodiscard]] bool goes_out(const Held& held) const MAUVE_REQUIRES(mutex_);
   void give_it_up() MAUVE_REQUIRES(mutex_);
   void hand_over(Held& held) MAUVE_REQUIRES(mutex_);
   std::uint32_t send(guardian::Request request, int descriptor) MAUVE_REQUIRES(mutex_);
   void await(MutexLock& lock, std::uint32_t number) MAUVE_REQUIRES(mutex_);
   void await_sending(MutexLock& lock, const void* owner) MAUVE_REQUIRES(mutex_);
   void run_sender();
+  void begin_due(GuardedComponent& component) MAUVE_REQUIRES(mutex_);
   [[nodiscard]] Instant advance(Held& held, Instant now) MAUVE_REQUIRES(mutex_);
 
   mutable Mutex mutex_;  // of all that follows
@@ -109,9 +113,9 @@ class GuardedOutputs {
   std::uint32_t number_ MAUVE_GUARDED_BY(mutex_) = 0;
   std::uint32_t answered_ MAUVE_GUARDED_BY(mutex_) = 0;  // all up to this one
   std::map<const void*, Held> held_ MAUVE_GUARDED_BY(mutex_);
+  std::vector<GuardedComponent*> components_ MAUVE_GUARDED_BY(mutex_);
   std::atomic<bool> sender_ends_{false};
-  Thread sender_;  // of orders of components that stopped
+  Thread sender_;  // of orders that are due
 };
 
-}  // namespace rt
-}  // namespace mauve
+}  // namespace mauve::rt

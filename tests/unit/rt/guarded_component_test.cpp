@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// When the orders of guarded outputs go out, with no guardian.
+#include "rt/guardian/guarded_component.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <string>
+
+#include "rt/guardian/guarded_outputs.h"
+#include "support/eventually.h"
+#include "support/pipe_device.h"
+
+namespace mauve::rt {
+namespace {
+
+using test::PipeDevice;
+
+/// `drives` has a core that holds an output, and commands its device.
+class SafeOrders : public testing::Test {
+ protected:
+  SafeOrders() {
+    EXPECT_TRUE(outputs_.expect(GuardianUse::off, nullptr));
+    drives_.emplace("drives");
+    drives_->put_in_force(&core_, &shell_, true);
+  }
+  ~SafeOrders() override {
+    drives_.reset();
+    outputs_.leave();
+  }
+
+  /// The address of the holder is that of the owner, too: each holds one output.
+  [[nodiscard]] Status hold(const int& holder, const PipeDevice& device,
+                            const std::string& name = "drives.core.stand") {
+    return outputs_.hold({&holder, &holder, name}, device.descriptor(), {.bytes = "stand "});
+  }
+  void drop(const int& holder) { outputs_.drop(&holder); }
+  [[nodiscard]] static bool gets(PipeDevice& device, const std::string& bytes) {
+    return test::eventually([&] { return device.bytes() == bytes; });
+  }
+
+  const int core_ = 1;
+  const int next_core_ = 2;
+  const int shell_ = 3;
+  GuardedOutputs& outputs_ = GuardedOutputs::of_process();
+  PipeDevice device_;
+  PipeDevice other_device_;
+  std::optional<GuardedComponent> drives_;
+};
+
+TEST_F(SafeOrders, GoOutWhenNoJobCommandsAnyMore) {
+  ASSERT_TRUE(hold(core_, device_));
+  EXPECT_TRUE(drives_->holds_any());
+
+  drives_->stand();
+
+  EXPECT_TRUE(gets(device_, "stand stand "));
+}
+
+TEST_F(SafeOrders, OfOtherComponentsStay) {
+  GuardedComponent near("drive");
+  GuardedComponent longer("drives2");
+  ASSERT_TRUE(hold(core_, device_));
+
+  near.stand();
+  longer.stand();
+  drop(core_);
+
+  EXPECT_FALSE(near.holds_any());
+  EXPECT_FALSE(longer.holds_any());
+  EXPECT_EQ(device_.bytes(), "");
+}
+
+TEST_F(SafeOrders, GoOutBeforeTheDeviceIsLetGo) {
+  ASSERT_TRUE(hold(core_, device_));
+
+  drives_->stand();
+  drop(core_);
+
+  EXPECT_EQ(device_.bytes(), "stand stand ");
+}
+
+TEST_F(SafeOrders, GoOutAlsoWhenTheComponentGoesAtOnce) {
+  ASSERT_TRUE(hold(core_, device_));
+
+  drives_->stand();
+  drives_.emplace("drives");
+  drop(core_);
+
+  EXPECT_EQ(device_.bytes(), "stand stand ");
+}
+
+TEST_F(SafeOrders, DoNotDisturbAComponentThatRunsAgain) {
+  ASSERT_TRUE(hold(core_, device_));
+  drives_->stand();
+  ASSERT_TRUE(gets(device_, "stand ") || gets(device_, "stand stand "));
+  drives_->put_in_force(&core_, &shell_, true);
+  drop(core_);
+  const std::string before = device_.bytes();
+
+  ASSERT_TRUE(hold(core_, device_));
+  drop(core_);
+
+  EXPECT_EQ(device_.bytes(), before);
+}
+
+TEST_F(SafeOrders, GoOutToADeviceThatTheNextCoreDoesNotHold) {
+  ASSERT_TRUE(hold(core_, device_));
+  ASSERT_TRUE(hold(next_core_, other_device_));
+
+  drives_->put_in_force(&next_core_, &shell_, true);
+  drop(core_);
+  drop(next_core_);
+
+  EXPECT_EQ(device_.bytes(), "stand stand ");
+  EXPECT_EQ(other_device_.bytes(), "");
+}
+
+TEST_F(SafeOrders, StayWhileTheNextCoreHoldsTheDevice) {
+  ASSERT_TRUE(hold(core_, device_));
+  ASSERT_TRUE(hold(next_core_, device_));
+
+  drives_->put_in_force(&next_core_, &shell_, true);
+  drop(core_);
+
+  EXPECT_EQ(device_.bytes(), "");
+}
+
+TEST_F(SafeOrders, StayWhileAnotherComponentCommandsTheDevice) {
+  GuardedComponent successor("wheels");
+  successor.put_in_force(&next_core_, &shell_, true);
+  ASSERT_TRUE(hold(core_, device_));
+  ASSERT_TRUE(hold(next_core_, device_, "wheels.core.stand"));
+
+  drives_->stand();
+  drop(core_);
+
+  EXPECT_EQ(device_.bytes(), "");
+}
+
+TEST_F(SafeOrders, OfTheShellOutliveItsCores) {
+  ASSERT_TRUE(hold(shell_, device_, "drives.shell.stand"));
+
+  drives_->put_in_force(&next_core_, &shell_, true);
+  drop(next_core_);
+  EXPECT_EQ(device_.bytes(), "");
+
+  drives_->put_in_force(&next_core_, &shell_, false);
+  EXPECT_TRUE(gets(device_, "stand stand "));
+}
+
+TEST_F(SafeOrders, GoOutWhenTheDeviceComesBackWhileNoJobCommands) {
+  ASSERT_TRUE(hold(core_, device_));
+  drop(core_);
+  drives_->stand();
+
+  ASSERT_TRUE(hold(core_, device_));
+
+  EXPECT_TRUE(gets(device_, "stand stand "));
+}
+
+TEST_F(SafeOrders, StayWhenTheDeviceComesBackWhileJobsCommand) {
+  ASSERT_TRUE(hold(core_, device_));
+  drop(core_);
+
+  ASSERT_TRUE(hold(core_, device_));
+  drop(core_);
+
+  EXPECT_EQ(device_.bytes(), "");
+}
+
+/// Its hooks may be writing to the device.
+TEST_F(SafeOrders, StayWhileACoreIsPreparedForAComponentThatStands) {
+  drives_->stand();
+
+  ASSERT_TRUE(hold(next_core_, device_));
+  drop(next_core_);
+
+  EXPECT_EQ(device_.bytes(), "");
+}
+
+TEST_F(SafeOrders, GoOutWhenAComponentThatStandsTakesACoreWithAnotherDevice) {
+  drives_->stand();
+  ASSERT_TRUE(hold(next_core_, other_device_));
+
+  drives_->put_in_force(&next_core_, &shell_, false);
+
+  EXPECT_TRUE(gets(other_device_, "stand stand "));
+}
+
+TEST_F(SafeOrders, GoOutBeforeAnEndInOrder) {
+  ASSERT_TRUE(hold(core_, device_));
+
+  drives_->stand();
+  outputs_.say_goodbye();
+
+  EXPECT_EQ(device_.bytes(), "stand stand ");
+}
+
+TEST_F(SafeOrders, AreRefusedForADescriptorThatWouldMakeTheThreadWait) {
+  fcntl(device_.descriptor(), F_SETFL, 0);
+
+  const Status held = hold(core_, device_);
+
+  ASSERT_FALSE(held);
+  EXPECT_THAT(held.error().message, testing::HasSubstr("O_NONBLOCK"));
+  EXPECT_FALSE(drives_->holds_any());
+}
+
+}  // namespace
+}  // namespace mauve::rt
