@@ -35,7 +35,9 @@ mauve::Status DeviceLine::open() {
   lost_ = !port_.is_open();
   if (lost_) ++device_errors;
   thread_.when_received([this](std::size_t count) { received += count; });
-  return thread_.start(port_, kMostWaiting);
+  losses_ = 0;
+  using Lost = LineThread::Lost;
+  return thread_.start(port_, kMostWaiting, port_.is_guarded() ? Lost::looked_for : Lost::waits);
 }
 
 void DeviceLine::close(LineBytes& line) {
@@ -46,6 +48,7 @@ void DeviceLine::close(LineBytes& line) {
 
 bool DeviceLine::reopen() {
   heard_ = mauve::job_time();
+  losses_ = thread_.losses();
   lost_ = !thread_.reopen();
   report();
   if (lost_) return false;
@@ -56,7 +59,7 @@ bool DeviceLine::reopen() {
 bool DeviceLine::take(LineBytes& line, char& byte) {
   begin_job(line);
   if (lost_ || bytes_left_ == 0) return false;
-  const bool open = thread_.open();
+  const bool open = thread_.open() && thread_.losses() == losses_;
   const std::span<const char> there = line.ring.there();
   if (there.empty()) {
     lost_ = !open;

@@ -28,8 +28,9 @@ using mauve::Errc;
 using mauve::refuse;
 using mauve::Status;
 
-constexpr int kGlance = 100;  // ms: does another line want the bytes?
-constexpr int kPause = 10;    // ms: nothing wakes us when there is room again, or a file grows
+constexpr int kGlance = 100;                             // ms: does another line want the bytes?
+constexpr std::chrono::milliseconds kBetweenLooks{250};  // for a lost device
+constexpr int kPause = 10;  // ms: nothing wakes us when there is room again, or a file grows
 constexpr std::chrono::milliseconds kFarewell{200};
 constexpr std::size_t kStack = 256 * 1024;  // memory is locked: the usual 8 MB would be real
 
@@ -40,6 +41,12 @@ void introduce() {
   sigfillset(&all);
   for (const int own : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) sigdelset(&all, own);
   pthread_sigmask(SIG_BLOCK, &all, nullptr);
+}
+
+/// Then the line comes before ordinary work, and after every component.
+void raise_priority() {
+  const sched_param lowest{sched_get_priority_min(SCHED_FIFO)};
+  static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &lowest));
 }
 
 constexpr std::size_t kHead = 3;  // before a request: how long it is, and after how many orders
@@ -85,6 +92,8 @@ Status LineThread::start(LineEnd& end, std::size_t most_waiting, Lost lost) {
   hurried_ = followed_ = lost == Lost::opened_to_send;
   device_ = device_of(end);
   open_ = end.number() >= 0;
+  losses_ = 0;
+  looked_ = {};
   waiting_.drop(waiting_.size());
   request_size_ = 0;
   repeats_ = false;
@@ -161,12 +170,6 @@ void LineThread::follow_the_component() {
   hurried_ = sched_getscheduler(0) == SCHED_FIFO;
 }
 
-/// Then the line comes before ordinary work, and after every component.
-void LineThread::raise_priority() {
-  const sched_param lowest{sched_get_priority_min(SCHED_FIFO)};
-  static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &lowest));
-}
-
 /// Bounded: no write to an eventfd waits for its reader.
 void LineThread::kick() const {
   const std::uint64_t one = 1;
@@ -183,7 +186,9 @@ void LineThread::run() {
   while (!stopping_.load(std::memory_order_acquire)) {
     if (hurried_.exchange(false)) raise_priority();
     filler_.choose();
-    if (asked_.exchange(false)) open_again();
+    const bool looks = lost_ == Lost::looked_for && !open() &&
+                       std::chrono::steady_clock::now() - looked_ >= kBetweenLooks;
+    if (asked_.exchange(false) || looks) open_again();
     write_out();
     read_in();
     wait();
@@ -206,6 +211,7 @@ void LineThread::tune() {
 /// Waiting bytes were for the device that is gone.
 void LineThread::open_again() {
   if (open()) return;
+  looked_ = std::chrono::steady_clock::now();
   drop_waiting();
   const bool opened = end_->reopen();
   error_ = opened ? 0 : errno;
@@ -301,7 +307,7 @@ std::ptrdiff_t LineThread::write_some() {
   // A reader may hold the lock for a long time, so a line for emergencies writes without it, at any
   // speed.
   std::unique_lock<std::mutex> lock;
-  if (device_ != nullptr && lost_ == Lost::waits) {
+  if (device_ != nullptr && lost_ != Lost::opened_to_send) {
     lock = std::unique_lock(device_->reading);
     tune();
   }
@@ -312,6 +318,7 @@ void LineThread::lose() {
   error_ = errno;
   end_->close();
   request_sent_ = repeats_ ? 0 : kHead;  // the next device has heard nothing of it
+  losses_.fetch_add(1, std::memory_order_relaxed);
   open_.store(false, std::memory_order_release);
 }
 
@@ -330,14 +337,20 @@ void LineThread::wait() {
   pollfd line{-1, 0, 0};
   if (filling && !full && !idle_) line.events = POLLIN;
   if (open() && next_request()) line.events |= POLLOUT;
-  if (line.events != 0) line.fd = end_->number();
+  // Nobody reads, so only its end counts: a guarded device must be found again.
+  const bool awaits_end = lost_ == Lost::looked_for && open() && line.events == 0 && !idle_;
+  if (line.events != 0 || awaits_end) line.fd = end_->number();
   std::array<pollfd, 2> both{bell, line};
-  const int longest = full || idle_ ? kPause : filler_.bytes() != nullptr ? kGlance : -1;
+  const bool glances = filler_.bytes() != nullptr || (lost_ == Lost::looked_for && !open());
+  const int longest = full || idle_ ? kPause : glances ? kGlance : -1;
   ::poll(both.data(), both.size(), longest);
   idle_ = false;
   if ((both[0].revents & POLLIN) != 0) {
     std::uint64_t rings = 0;
     static_cast<void>(::read(bell_.number(), &rings, sizeof rings));
+  } else if (awaits_end && both[1].revents != 0) {
+    errno = EIO;
+    lose();
   } else if (both[1].revents != 0 && (both[1].revents & POLLOUT) == 0) {
     idle_ = true;  // unless it has something to read
   }

@@ -236,7 +236,7 @@ void SerialPort::guard(mauve::Guarded& guarded, const mauve::SafeOrder& order) {
 }
 
 Status SerialPort::be_guarded() {
-  if (guarded_ == nullptr || !lasts_) return mauve::ok();
+  if (!is_guarded()) return mauve::ok();
   return guarded_->hold(device_.number(), order_);
 }
 

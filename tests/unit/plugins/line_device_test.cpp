@@ -122,6 +122,23 @@ TEST(LineLost, IsOpenedWhenSomethingIsSentWhereThatIsWanted) {
   line.stop();
 }
 
+/// Its order must reach it, whether jobs run or not.
+TEST(LineLost, IsLookedForWithoutAnyJobWhereThatIsWanted) {
+  const std::string link = link_name("looked_for");
+  SerialPort port;
+  ASSERT_TRUE(port.open(link, 0, SerialPort::Missing::accepted, SerialPort::Use::both));
+  LineThread line;
+  ASSERT_TRUE(line.start(port, 64, LineThread::Lost::looked_for));
+  for (unsigned loss = 1; loss <= 3; ++loss) {
+    PseudoTerminal far;
+    ASSERT_TRUE(far.open(link));
+    EXPECT_TRUE(eventually([&] { return line.open(); }));
+    far.close();
+    EXPECT_TRUE(eventually([&] { return line.losses() == loss; }));
+  }
+  line.stop();
+}
+
 /// A device that fails in the middle of the first request, and comes back.
 class HalfHearing final : public mauve::serial::LineEnd {
  public:

@@ -41,7 +41,9 @@ class DeviceLine {
 
   /// mauved sends the order when the component is stopped, fails or is removed; the guardian sends
   /// it when mauved cannot. Choose `times` 2 or more: a command that the core sent just before may
-  /// go out after the first order. Before open(); `guarded` outlives the line. [factory]
+  /// go out after the first order. The thread then looks for a lost device itself, every 250 ms:
+  /// the order must reach it also while no job runs. Before open(); `guarded` outlives the line.
+  /// [factory]
   void guard(mauve::Guarded& guarded, const mauve::SafeOrder& order) {
     port_.guard(guarded, order);
   }
@@ -90,6 +92,7 @@ class DeviceLine {
   mauve::Instant job_ = 0;    // begin of the job that bytes_left_ belongs to
   mauve::Instant heard_ = 0;  // when the last bytes came
   std::size_t bytes_left_ = 0;
+  std::uint32_t losses_ = 0;  // known to the core
   bool lost_ = true;
 };
 

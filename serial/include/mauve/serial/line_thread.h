@@ -7,6 +7,7 @@
 #include <pthread.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -28,9 +29,9 @@ namespace mauve::serial {
 /// last reads, at its speed: a core that is gone leaves no line behind that reads for it.
 class LineThread {
  public:
-  /// The treatment of an end that failed: it waits for reopen(), or is opened when something is
-  /// sent.
-  enum class Lost : bool { waits, opened_to_send };
+  /// The treatment of an end that failed: it waits for reopen(), or the thread also looks for it
+  /// every 250 ms, or it is opened when something is sent.
+  enum class Lost : std::uint8_t { waits, looked_for, opened_to_send };
 
   LineThread() = default;
   ~LineThread() { stop(); }
@@ -66,6 +67,8 @@ class LineThread {
   [[nodiscard]] bool open() const { return open_.load(std::memory_order_acquire); }
   /// Why it is not open: an errno. [rt]
   [[nodiscard]] int error() const { return error_.load(std::memory_order_relaxed); }
+  /// How often it was lost since start(): the thread may have opened it again meanwhile. [rt]
+  [[nodiscard]] std::uint32_t losses() const { return losses_.load(std::memory_order_relaxed); }
   /// Asks for another try and returns whether an earlier one did it. [rt]
   bool reopen();
 
@@ -78,7 +81,6 @@ class LineThread {
   [[nodiscard]] bool reads() const;
   void tune();
   void follow_the_component();
-  void raise_priority();
   void open_again();
   void read_in();
   std::ptrdiff_t read_some(std::span<char> room);
@@ -110,6 +112,7 @@ class LineThread {
   std::atomic<bool> asked_{false};
   std::atomic<bool> open_{false};
   std::atomic<int> error_{0};
+  std::atomic<std::uint32_t> losses_{0};
   LineFiller filler_;
   ByteRing<16'384> waiting_;  // requests, each after its head
 
@@ -119,6 +122,7 @@ class LineThread {
   std::uint8_t request_orders_ = 0;  // that had been given when it was sent
   bool repeats_ = false;             // an order, in place of the first that waits
   bool idle_ = false;                // it is always ready, and has nothing: the end of a file
+  std::chrono::steady_clock::time_point looked_;  // for a lost end
 };
 
 }  // namespace mauve::serial

@@ -78,6 +78,8 @@ class SerialPort final : public LineEnd {
   /// While the device is open, the guardian of the process holds this order for it, unless it is a
   /// "pty:NAME", which ends with the process. Before open(); `guarded` outlives the port. [factory]
   void guard(mauve::Guarded& guarded, const mauve::SafeOrder& order);
+  /// guard() was called, and the device outlives this process.
+  [[nodiscard]] bool is_guarded() const { return guarded_ != nullptr && lasts_; }
   /// For reopen() to open it, also while another process has it: for emergencies. [factory]
   void choose(const std::string& device, int baud, Use use);
   /// Takes the order back from the guardian, and gives the device free.
