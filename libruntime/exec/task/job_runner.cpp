@@ -115,8 +115,10 @@ void JobRunner::begin(Instant now) {
 }
 
 void JobRunner::conclude(Instant start, const JobEnd& end, const rt::Fault& fault) {
-  if (fault.happened() || end.threw) faults_.write_safe_values();  // before anything is recorded
-  if (fault.interrupted) {
+  // The guard may also cut a sleep short, after which the job ends like a healthy one.
+  const bool hung = fault.interrupted || (!fault.happened() && task_.watch.is_interrupted(start));
+  if (fault.happened() || end.threw || hung) faults_.write_safe_values();  // before any record
+  if (hung) {
     faults_.fail_as_hung();
   } else if (fault.happened()) {
     auto& text = task_.report.fault().text;

@@ -53,6 +53,16 @@ struct Blocked final : ramp::Up {
   }
 };
 
+/// Sleeps in its fourth job. The signal of the guard ends the sleep, and the job goes on.
+struct Sleeping final : ramp::Up {
+  void update() override {
+    ramp::Up::update();
+    if (state->value != 4) return;
+    const timespec long_time{60, 0};
+    nanosleep(&long_time, nullptr);
+  }
+};
+
 /// In its fourth job it waits for somebody who takes its processor away.
 struct Displaced final : ramp::Up {
   static std::atomic<bool>& waits() {
@@ -217,6 +227,18 @@ TEST_F(Guard, EndsAnEndlessLoopAndTheFallbackCoreTakesOver) {
   EXPECT_TRUE(runs_on(deployer, "right"));
   EXPECT_TRUE(deployer.shutdown(test::kPatience).empty())
       << "the same thread goes on: no thread is abandoned";
+}
+
+TEST_F(Guard, TakesASleepThatItCutsShortForAHang) {
+  TwoWatched<Sleeping> architecture(FaultPolicy::Action::stop);
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+
+  ASSERT_TRUE(is_faulted(deployer, "left"));
+
+  EXPECT_EQ(deployer.status("left").fault, "its job ran longer than 500 ms");
+  EXPECT_EQ(ramp::read(architecture.left_position), -1.0) << "the safe value";
+  EXPECT_TRUE(runs_on(deployer, "right"));
 }
 
 TEST_F(Guard, EndsASafeValueThatIsWrittenWithoutAnEnd) {
