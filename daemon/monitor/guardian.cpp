@@ -39,8 +39,9 @@ std::string listed(const std::vector<std::string>& names) {
 std::string found_text(const rt::GuardianNews& news) {
   std::string text =
       news.state.how == How::service ? "the guardian service" : "a guardian of its own";
-  text += " (process " + std::to_string(news.state.process) + ") holds " +
-          listed(rt::GuardedOutputs::of_process().names());
+  const auto names = rt::GuardedOutputs::of_process().names();
+  text += " (process " + std::to_string(news.state.process) + ") " +
+          (names.empty() ? "serves, without outputs yet" : "holds " + listed(names));
   if (news.lasted > Duration{0}) {
     text += "; for " + format_duration(std::chrono::round<std::chrono::milliseconds>(news.lasted)) +
             " there was none";
@@ -59,12 +60,14 @@ Status Guardian::start(const Options& options) {
   plan.use = options.guardian;
   plan.socket = options.socket + ".guardian";
   plan.command = {program(), "--connected"};
-  return link_.start(std::move(plan), [this](const rt::GuardianNews& news) { report(news); });
+  auto begun = link_.start(std::move(plan), [this](const rt::GuardianNews& news) { report(news); });
+  return begun && use_ == rt::GuardianUse::require ? link_.found_at_start() : begun;
 }
 
 /// On the thread of the link.
 void Guardian::report(const rt::GuardianNews& news) {
-  const auto outputs = listed(rt::GuardedOutputs::of_process().names());
+  const auto names = rt::GuardedOutputs::of_process().names();
+  const auto outputs = names.empty() ? "the outputs" : listed(names);
   switch (news.what) {
     case What::found:
       return log_.write(Event::guardian_found, {{"text", found_text(news)}});
@@ -72,7 +75,7 @@ void Guardian::report(const rt::GuardianNews& news) {
       return log_.write(Event::guardian_absent, {{"outputs", outputs}, {"text", news.state.why}});
     case What::lost:
       log_.write(Event::guardian_lost, {{"outputs", outputs}, {"text", news.state.why}});
-      if (use_ == rt::GuardianUse::require) {
+      if (use_ == rt::GuardianUse::require && !names.empty()) {
         log_.write(Event::outputs_unguarded, {{"outputs", outputs}});
         cause_ = "the required guardian was lost";
         stop_all();

@@ -179,6 +179,53 @@ TEST_F(GuardedBase, StandsWhenItsDriverIsStoppedOrRemoved) {
   }
 }
 
+/// The order that its driver could not send, or that came before the device did.
+TEST_F(GuardedBase, StandsWhenItsLineComesBackWhileItsDriverIsStopped) {
+  const auto link = place_ / "line";
+  std::optional<Outlet> line(std::in_place);
+  std::filesystem::create_symlink(line->path(), link);
+  const auto file = place_.write("guarded.json", guarded_architecture(link).dump());
+  daemon_.emplace(file, std::vector<std::string>{"--realtime", "off"});
+  ASSERT_TRUE(daemon_->up()) << daemon_->errors();
+  ASSERT_TRUE(eventually([&] { return !line->bytes().empty(); })) << daemon_->errors();
+  ASSERT_EQ(daemon_->client({"stop", "base"}).wait(), 0);
+
+  std::filesystem::remove(link);
+  line.reset();
+  Outlet back;
+  std::filesystem::create_symlink(back.path(), link);
+
+  EXPECT_TRUE(eventually([&] { return back.bytes().ends_with(kStand); })) << daemon_->errors();
+}
+
+/// A driver that is told to use another device leaves one that drives on.
+TEST_F(GuardedBase, StandsWhenItsDriverLeavesItForAnotherDevice) {
+  start();
+  ASSERT_TRUE(drives()) << daemon_->errors();
+  Outlet other;
+
+  ASSERT_EQ(daemon_->client({"set", "base.core.device", other.path()}).wait(), 0)
+      << daemon_->errors();
+
+  EXPECT_TRUE(stands());
+  EXPECT_TRUE(eventually([&] { return other.bytes().find(kDrive) != std::string::npos; }));
+}
+
+TEST_F(GuardedBase, StandsFromTheStartOnWhenTheUserHadStoppedItsDriver) {
+  const std::vector<std::string> kept{"--realtime", "off", "--state-dir",
+                                      (place_ / "kept").string()};
+  start(kept);
+  ASSERT_TRUE(drives()) << daemon_->errors();
+  ASSERT_EQ(daemon_->client({"stop", "base"}).wait(), 0);
+  daemon_.reset();
+  const std::size_t before = base_.bytes().size();
+
+  start(kept);
+
+  EXPECT_TRUE(eventually([&] { return base_.bytes().size() > before; })) << daemon_->errors();
+  EXPECT_TRUE(stands());
+}
+
 /// A thread of another program above the driver, for longer than any job of the driver may take.
 TEST_F(GuardedBase, StandsWhileAnotherThreadTakesItsProcessor) {
   if (!rt::may_use_fifo(95)) GTEST_SKIP() << "NOT TESTED: silence is watched in real time only";
@@ -355,8 +402,9 @@ TEST_F(GuardedBase, IsRefusedWithoutAGuardianThatIsRequired) {
                  log);
 
   EXPECT_EQ(mauved.wait(), 1);
-  EXPECT_THAT(TempDir::read(log), HasSubstr("base.core.stand"));
-  EXPECT_THAT(TempDir::read(log), HasSubstr("no guardian holds this output"));
+  EXPECT_THAT(TempDir::read(log), HasSubstr("no guardian serves, and --guardian require asks for "
+                                            "one: "));
+  EXPECT_EQ(base_.bytes(), "") << "no element was made";
 }
 
 }  // namespace

@@ -31,12 +31,14 @@ using How = GuardianState::How;
 using What = GuardianNews::What;
 
 constexpr int kToGreetMs = 1'000;
+constexpr Duration kToServe{10s};  // at a start: a service that is silent, and one of its own
 constexpr int kBetweenAttemptsMs = 1'000;
 constexpr Duration kBetweenServices = 1s;
 constexpr int kToGreetMeanwhileMs = 50;  // while another one serves
 constexpr int kToEndMs = 500;            // of one that was started here
-/// One that served for a shorter time is not replaced at once: the next one may end as soon.
+/// After two in a row that served for a shorter time the next one may end as soon: it comes later.
 constexpr Duration kDiesAgain = 1s;
+constexpr int kYoungDeaths = 2;
 
 Error system_error(const std::string& doing) {
   return refuse({Errc::system, "guardian_failed"}, "guardian",
@@ -121,6 +123,17 @@ void GuardianLink::stop(bool in_order) {
   GuardedOutputs::of_process().leave();
 }
 
+Status GuardianLink::found_at_start() const {
+  MutexLock lock(mutex_);
+  const auto settled = [this]() MAUVE_REQUIRES(mutex_) { return state_.how != How::unused; };
+  const bool answered = changed_.wait_for(lock, kToServe, settled);
+  if (answered && state_.how != How::none) return ok();
+  return refuse({Errc::system, "guardian_required"}, "guardian",
+                "no guardian serves, and --guardian require asks for one: " +
+                    (answered ? state_.why : "none was found in time"),
+                "install mauve-guardian beside mauved, or start its service");
+}
+
 GuardianState GuardianLink::state() const {
   const MutexLock lock(mutex_);
   return state_;
@@ -132,8 +145,10 @@ void GuardianLink::run() {
     GuardedOutputs::of_process().attach(-1);
     return;
   }
+  const bool at_once = plan_.use == GuardianUse::require;
   while (!quits_.load()) {
-    if (GuardedOutputs::of_process().names().empty()) {
+    const bool wanted = at_once || !GuardedOutputs::of_process().names().empty();
+    if (!wanted || leaves_.load()) {  // after an orderly end no other one is started
       static_cast<void>(ring_within(-1));
     } else if (!ask_for_one()) {
       static_cast<void>(ring_within(kBetweenAttemptsMs));
@@ -144,7 +159,7 @@ void GuardianLink::run() {
   reap();
 }
 
-/// False: there is none, or it was lost so soon that the next one may be too.
+/// False: there is none, or too many were lost so soon that the next one may be too.
 bool GuardianLink::ask_for_one() {
   reap();
   How how = How::service;
@@ -162,7 +177,9 @@ bool GuardianLink::ask_for_one() {
   const End end = serve(how, socket->get());
   GuardedOutputs::of_process().detach();
   lose(end, how, *std::move(socket));
-  return Duration{MonotonicClock().now() - since} >= kDiesAgain;
+  const bool young = Duration{MonotonicClock().now() - since} < kDiesAgain;
+  young_deaths_ = young ? young_deaths_ + 1 : 0;
+  return young_deaths_ < kYoungDeaths;
 }
 
 /// The service, unless it just proved deaf. Else one that is started here, also when the service
@@ -323,6 +340,7 @@ void GuardianLink::found(How how, int socket) {
     if (state_.how == How::none) news.lasted = Duration{MonotonicClock().now() - state_.since};
     state_ = {how, passed_over_, 0, how == How::started ? child_ : credentials_of(socket).pid};
     news.state = state_;
+    changed_.notify_all();
   }
   report_(news);
 }
@@ -337,6 +355,7 @@ void GuardianLink::absent(What what, const std::string& why) {
     state_.how = How::none;
     state_.why = why;
     state_.process = 0;
+    changed_.notify_all();
     if (known) return;
     news.state = state_;
   }

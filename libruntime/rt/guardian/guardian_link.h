@@ -58,8 +58,9 @@ struct GuardianNews {
   GuardianState state;
 };
 
-/// A thread that looks for a guardian once there is an output to guard, asks the guardian all the
-/// time whether it still serves, and replaces one that does not. While there is none, it looks
+/// A thread that looks for a guardian once there is an output to guard, or at once where one is
+/// required. It asks the guardian all the time whether it still serves, and replaces one that does
+/// not. While there is none, it looks
 /// again each second. One in a process.
 class GuardianLink {
  public:
@@ -75,6 +76,9 @@ class GuardianLink {
   /// In order: the outputs are safe, so that the guardian lets them go. Else it sends its orders
   /// when it notices that the connection is gone. [any but its own]
   void stop(bool in_order);
+  /// Under `require`: waits until one serves. Refused when none can be found. After start().
+  /// [any but its own]
+  [[nodiscard]] Status found_at_start() const;
   [[nodiscard]] GuardianState state() const;
 
  private:
@@ -116,7 +120,9 @@ class GuardianLink {
   Descriptor next_;                  // one that was greeted, and serves from the next attempt on
   std::atomic<bool> leaves_{false};  // the end of the connection is not reported any more
   std::atomic<bool> quits_{false};
-  mutable Mutex mutex_;  // of the state
+  int young_deaths_ = 0;  // in a row
+  mutable Mutex mutex_;   // of the state
+  mutable ConditionVariable changed_;
   GuardianState state_ MAUVE_GUARDED_BY(mutex_);
   Thread thread_;
 };
