@@ -9,6 +9,7 @@
 #include "arch/build/check_steps.h"
 #include "arch/build/lost_names.h"
 #include "arch/build/shared_devices.h"
+#include "arch/build/unguarded_devices.h"
 #include "arch/parse/built_in.h"
 #include "arch/parse/quantity.h"
 #include "arch/parse/target.h"
@@ -194,6 +195,7 @@ std::vector<Wiring::Note> notes_on(const rules::Supervision& supervision,
                                    const Architecture& architecture,
                                    const plugin::Catalog& catalog) {
   std::vector<Wiring::Note> notes = shared_devices(architecture);
+  std::ranges::move(unguarded_devices(architecture), std::back_inserter(notes));
   std::ranges::move(lost_names(supervision, architecture, catalog), std::back_inserter(notes));
   for (const auto& [name, steps] : supervision.transactions) {
     add_notes("transactions." + name, steps, architecture, catalog, notes);

@@ -37,8 +37,8 @@ struct SafeOrder {
 class Guarded {
  public:
   /// Holds nothing yet.
-  Guarded(const Configurable& owner, std::string_view name) : owner_(owner), name_(name) {}
-  ~Guarded() { drop(); }
+  Guarded(const Configurable& owner, std::string_view name);
+  ~Guarded();
   Guarded(const Guarded&) = delete;
   Guarded& operator=(const Guarded&) = delete;
 
@@ -52,6 +52,9 @@ class Guarded {
   /// 200 ms. When it returns, nothing is sent to the device any more, unless the guardian did not
   /// answer within a second.
   void drop();
+
+  /// Runtime only: does this core or shell have one, whether it holds an order or not? [any but rt]
+  [[nodiscard]] static bool declared_by(const Configurable& owner);
 
  private:
   const Configurable& owner_;

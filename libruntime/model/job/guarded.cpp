@@ -1,9 +1,41 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <mauve/guarded.h>
 
+#include <set>
+
+#include "base/mutex.h"
 #include "rt/guardian/guarded_outputs.h"
 
 namespace mauve {
+namespace {
+
+struct Declared {
+  Mutex mutex;
+  std::multiset<const Configurable*> owners MAUVE_GUARDED_BY(mutex);
+};
+
+Declared& declared() {
+  static auto* const all = new Declared;  // plugins may drop theirs at the very end
+  return *all;
+}
+
+}  // namespace
+
+Guarded::Guarded(const Configurable& owner, std::string_view name) : owner_(owner), name_(name) {
+  const MutexLock lock(declared().mutex);
+  declared().owners.insert(&owner_);
+}
+
+Guarded::~Guarded() {
+  drop();
+  const MutexLock lock(declared().mutex);
+  declared().owners.erase(declared().owners.find(&owner_));
+}
+
+bool Guarded::declared_by(const Configurable& owner) {
+  const MutexLock lock(declared().mutex);
+  return declared().owners.contains(&owner);
+}
 
 Status Guarded::hold(int descriptor, const SafeOrder& order) {
   const std::string name = owner_.address() + "." + std::string(name_);
