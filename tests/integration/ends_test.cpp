@@ -43,8 +43,9 @@ constexpr const char* kForeign = "foreign thread";
 constexpr const char* kStop = "mauvectl stop";
 constexpr const char* kStopAll = "mauvectl stop --all";
 constexpr const char* kStopSource = "stop of its source";
+constexpr const char* kGuardianStops = "SIGSTOP of guardian";
 
-constexpr std::array<End, 30> kEnds{{
+constexpr std::array<End, 31> kEnds{{
     {"SIGKILL", SIGKILL}, {"SIGSTOP", SIGSTOP}, {"SIGQUIT", SIGQUIT}, {"SIGUSR1", SIGUSR1},
     {"SIGALRM", SIGALRM}, {"SIGXCPU", SIGXCPU}, {"SIGSEGV", SIGSEGV}, {"SIGABRT", SIGABRT},
     {"SIGTERM", SIGTERM}, {"throw", 0},         {"write nowhere", 0}, {"full stack", 0},
@@ -52,7 +53,7 @@ constexpr std::array<End, 30> kEnds{{
     {"quick_exit", 0},    {"_exit", 0},         {"exit_group", 0},    {"pthread_exit", 0},
     {"exec", 0},          {"close all", 0},     {"loop", 0},          {"loop above all", 0},
     {"sleep", 0},         {kOutOfMemory, 0},    {kForeign, 0},        {kStop, 0},
-    {kStopAll, 0},        {kStopSource, 0},
+    {kStopAll, 0},        {kStopSource, 0},     {kGuardianStops, 0},
 }};
 
 bool is_out_of_memory(const End& end) { return std::string_view(end.name) == kOutOfMemory; }
@@ -125,8 +126,9 @@ class Foreign {
 
 /// The act from outside, or the word to the component.
 void bring_about(const End& end, const DaemonProcess& daemon, const TempDir& place,
-                 Foreign& foreign) {
+                 Foreign& foreign, pid_t guardian) {
   const std::string_view name = end.name;
+  if (name == kGuardianStops) return static_cast<void>(kill(guardian, SIGSTOP));
   if (name == kForeign) return foreign.begin();
   if (name == kStop) return static_cast<void>(daemon.ask({"stop", "base"}));
   if (name == kStopAll) return static_cast<void>(daemon.ask({"stop", "--all"}));
@@ -143,8 +145,9 @@ std::optional<double> end_one(const End& end, const MemoryGroup& group) {
   file["plugins"].push_back("ends");
   file["components"]["cruise"]["type"] = "ends/ender";
   file["components"]["cruise"]["properties"] = {{"core.file", (place / "how").string()}};
-  DaemonProcess daemon(place.write("ends.json", file.dump()),
-                       {"--realtime", "require", "--plugin-dir", MAUVE_ENDS_DIR});
+  DaemonProcess daemon(
+      place.write("ends.json", file.dump()),
+      {"--realtime", "require", "--guardian", "require", "--plugin-dir", MAUVE_ENDS_DIR});
   constexpr std::chrono::minutes kToStart{2};  // beside a load; the ends are judged, not the start
   EXPECT_TRUE(daemon.up(kToStart)) << daemon.errors();
   const Witness witness(base);
@@ -155,11 +158,13 @@ std::optional<double> end_one(const End& end, const MemoryGroup& group) {
     EXPECT_TRUE(group.take(daemon.process().id(), 64 << 20));
   }
 
+  const pid_t guardian = daemon.ask({"status"})["guardian"].value("process", 0);
+  EXPECT_GT(guardian, 0) << daemon.errors();
   const Instant begin = MonotonicClock().now();
   if (end.signal != 0) {
     daemon.process().signal(end.signal);
   } else {
-    bring_about(end, daemon, place, foreign);
+    bring_about(end, daemon, place, foreign, guardian);
   }
   const bool stood = eventually(
       [&] {
