@@ -93,7 +93,7 @@ TEST(ZooOfLibraries, OneBesideAPluginIsRefusedAlsoIfItIsLoadedAlready) {
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().id, "plugin_missing_library");
 
-  void* const helper = dlopen(MAUVE_ZOO "/libzoo_helper.so", RTLD_NOW);
+  void* const helper = dlopen(MAUVE_ZOO "/helper/libzoo_helper.so", RTLD_NOW);
   ASSERT_NE(helper, nullptr) << dlerror();
   const Status loaded = catalog.load("needs_helper");
   dlclose(helper);
