@@ -37,17 +37,12 @@ struct WheelsDriver : ramp::Up {
 
   Status on_configure() override {
     if (Status ready = ramp::Up::on_configure(); !ready) return ready;
-    newest() = this;
     return open();
   }
   Status open() { return stand.hold(kDevice()->descriptor(), {.bytes = "stand "}); }
   void on_cleanup() override {
     stand.drop();
     ramp::Up::on_cleanup();
-  }
-  static WheelsDriver*& newest() {
-    static WheelsDriver* driver = nullptr;
-    return driver;
   }
 };
 using Wheels = WheelsDriver<wheels_device>;
@@ -104,6 +99,10 @@ class SafeOrdersOfTasks : public testing::Test {
     std::string wanted;
     for (int i = 0; i < orders; ++i) wanted += "stand ";
     return test::eventually([&] { return device.bytes() == wanted; });
+  }
+  /// The core in force.
+  [[nodiscard]] Wheels& wheels() const {
+    return static_cast<Wheels&>(*architecture_->find_component("control")->bundle()->core);
   }
   [[nodiscard]] ComponentState state() const { return deployer_->status("control").state; }
 
@@ -208,32 +207,33 @@ TEST_F(SafeOrdersOfTasks, GoOutToADeviceThatComesBackToAComponentThatStands) {
   make<Wheels>();
   deploy();
   deployer_->run_for(20ms);
-  Wheels::newest()->stand.drop();
+  wheels().stand.drop();
   ASSERT_TRUE(deployer_->stop({"control"}));
   EXPECT_EQ(left_.bytes(), "");
 
-  ASSERT_TRUE(Wheels::newest()->open());
+  ASSERT_TRUE(wheels().open());
   EXPECT_TRUE(gets(left_, 2));
 
   ASSERT_TRUE(deployer_->start({"control"}));
   deployer_->run_for(20ms);
-  Wheels::newest()->stand.drop();
-  ASSERT_TRUE(Wheels::newest()->open());
+  wheels().stand.drop();
+  ASSERT_TRUE(wheels().open());
   ASSERT_TRUE(deployer_->stop({"control"}));
   EXPECT_TRUE(gets(left_, 4)) << "none while it ran";
 }
 
 TEST_F(SafeOrdersOfTasks, GoOutToADeviceThatComesBackWhileTheComponentRecovers) {
   auto& architecture = make<FailingWheels>();
-  architecture.control.task().on_fault = {
-      .action = FaultPolicy::Action::restart, .restarts = 1, .per = 10s, .back_off = 1s};
+  architecture.control.task().on_fault.action = FaultPolicy::Action::fallback;
+  architecture.control.fall_back_to(
+      ComponentBase::Fallback{CoreType::of<ramp::Down>("ramp/down"), {}});
   deploy();
   deployer_->run_for(15ms);
-  Wheels::newest()->stand.drop();
-  deployer_->run_for(20ms);
+  wheels().stand.drop();
+  deployer_->run_for(10ms);
   EXPECT_EQ(left_.bytes(), "");
 
-  ASSERT_TRUE(Wheels::newest()->open());
+  ASSERT_TRUE(wheels().open());
 
   EXPECT_TRUE(gets(left_, 2));
 }
