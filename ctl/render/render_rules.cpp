@@ -13,13 +13,13 @@ Paint paint_of_rule(const std::string& state) {
   return state == "disabled" || state == "limited" ? Paint::red : Paint::plain;
 }
 
-/// "gnss.core.satellites < 4 (9)": the values in the order of the addresses.
+/// "gnss.core.satellites < 4 (now 9)": the values in the order of the addresses.
 std::string condition_of(const Json& rule) {
   std::string values;
   for (const Json& one : rule.value("values", Json::array())) {
     join(values, word(one, "value"));
   }
-  return word(rule, "when") + (values.empty() ? "" : " (" + values + ")");
+  return word(rule, "when") + (values.empty() ? "" : " (now " + values + ")");
 }
 
 std::string last_of(const Json& rule) {

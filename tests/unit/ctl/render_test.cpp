@@ -355,15 +355,16 @@ TEST(Render, ShowsRulesWithTheirValuesAndWhyTheyDoNotFire) {
      "values":[{"address":"a.late","value":"0s"},{"address":"b.state","value":null}],
      "fired":0,"ago_ns":null,"fired_ns":null,"answer":"","why_not":"condition is false"}]})");
 
-  EXPECT_EQ(
-      render_rules(result, {}),
-      "NAME       STATE  CONDITION                                   FIRED  LAST       ANSWER      "
-      " "
-      "          WHY NOT\n"
-      "gnss_lost  fired  gnss.core.satellites < 4 (3)                    2  3.2 s ago  applied, "
-      "generation 5  fired, to be armed again\n"
-      "slow       armed  a.late > 1s and b.state == running (0s, -)      0  never      "
-      "                       condition is false\n");
+  EXPECT_EQ(render_rules(result, {}),
+            "NAME       STATE  CONDITION                                       FIRED  LAST       "
+            "ANSWER      "
+            " "
+            "          WHY NOT\n"
+            "gnss_lost  fired  gnss.core.satellites < 4 (now 3)                    2  3.2 s ago  "
+            "applied, "
+            "generation 5  fired, to be armed again\n"
+            "slow       armed  a.late > 1s and b.state == running (now 0s, -)      0  never      "
+            "                       condition is false\n");
   EXPECT_EQ(render_rules(Json::parse(R"({"items":[]})"), {}), "none\n");
   const std::string one = render_rule(result, {});
   EXPECT_NE(one.find("gnss_lost"), std::string::npos) << one;
