@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The kernel: throttling, preemption, memory; and the other urgent threads on it.
+#include <unistd.h>
+
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "doctor/checks.h"
 #include "render/table.h"
@@ -42,7 +45,10 @@ std::string owner_of(const Facts& facts, const rt::ThreadFacts& thread) {
 
 std::string described(const Facts& facts, const rt::ThreadFacts& thread) {
   return harmless(thread.name) + " (" + owner_of(facts, thread) + ", " + thread.policy + " " +
-         std::to_string(thread.priority) + ", CPU " + std::to_string(thread.cpu) + ")";
+         std::to_string(thread.priority) + ", CPU " + std::to_string(thread.cpu) + ", used " +
+         seconds_in_words(static_cast<double>(thread.ticks) /
+                          static_cast<double>(sysconf(_SC_CLK_TCK))) +
+         ")";
 }
 
 /// The remedy against an urgent thread; one of another mauved needs its priority.
@@ -54,8 +60,13 @@ std::string remedy_for(const Facts& facts, const rt::ThreadFacts& thread) {
   return "end " + owner + ", or give it other CPUs (\"task\": {\"cpus\": [...]} in its file)";
 }
 
+/// It acts when mauved does not, so it is to come before the components.
+bool is_guardian(const Facts& facts, const std::string& process) {
+  return facts.text("proc/" + process + "/comm") == "mauve-guardian";
+}
+
 struct Urgent {
-  std::vector<rt::ThreadFacts> foreign;
+  std::vector<rt::ThreadFacts> foreign;  ///< those that used the processor most come first
   std::size_t kernel = 0;
 };
 
@@ -63,15 +74,18 @@ Urgent urgent_threads(const Facts& facts) {
   Urgent urgent;
   const std::string ours = word(facts.daemon, "pid");
   for (const std::string& process : facts.names("proc")) {
-    if (process.find_first_not_of("0123456789") != std::string::npos || process == ours) continue;
+    if (process.find_first_not_of("0123456789") != std::string::npos || process == ours ||
+        is_guardian(facts, process))
+      continue;
     for (const auto& thread : rt::threads_of(facts.root, process)) {
       if (!thread.urgent()) continue;
       if (thread.kernel) ++urgent.kernel;
       if (!thread.kernel) urgent.foreign.push_back(thread);
     }
   }
-  std::stable_sort(urgent.foreign.begin(), urgent.foreign.end(),
-                   [](const auto& a, const auto& b) { return a.priority > b.priority; });
+  std::stable_sort(urgent.foreign.begin(), urgent.foreign.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.ticks, a.priority) > std::pair(b.ticks, b.priority);
+  });
   return urgent;
 }
 
@@ -128,7 +142,8 @@ Finding check_foreign(const Facts& facts) {
     const double priority = number(row, "priority");
     lowest = lowest > 0 ? std::min(lowest, priority) : priority;
   }
-  if (urgent.foreign.front().priority < lowest) {
+  const auto highest = std::ranges::max(urgent.foreign, {}, &rt::ThreadFacts::priority).priority;
+  if (highest < lowest) {
     return good(found + ": less urgent than every component");
   }
   return doubt(found, remedy);

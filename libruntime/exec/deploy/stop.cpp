@@ -239,7 +239,8 @@ Result<Receipt> Stop::result() const {
       {Errc::partly, "stops_later"}, names,
       "did not end its job in time: its safe values are written, and it stops as soon as "
       "the job ends; all others are stopped",
-      "mauved can only abandon the thread of a core that never returns: restart the daemon");
+      "`mauvectl doctor` names real-time threads of other programs, which may keep it from the "
+      "processor; if its core never returns, restart mauved");
 }
 
 }  // namespace mauve::exec

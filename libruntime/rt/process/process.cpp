@@ -101,7 +101,8 @@ std::optional<ThreadFacts> thread_facts(std::string_view line, std::string_view 
   const auto begin = line.find('(');
   const auto end = line.rfind(") ");
   if (begin == std::string_view::npos || end == std::string_view::npos || end < begin) return {};
-  // proc(5): 3 state, 9 flags, 10 minflt, 12 majflt, 39 processor, 40 rt_priority, 41 policy.
+  // proc(5): 3 state, 9 flags, 10 minflt, 12 majflt, 14 utime, 15 stime, 39 processor,
+  // 40 rt_priority, 41 policy.
   const auto words = words_of(line.substr(end + 2));
   if (words.size() < 39) return std::nullopt;
   ThreadFacts thread;
@@ -110,6 +111,7 @@ std::optional<ThreadFacts> thread_facts(std::string_view line, std::string_view 
   thread.kernel = (number_in<std::uint64_t>(words[6]) & kKernelThread) != 0;
   thread.minor_faults = number_in<std::uint64_t>(words[7]);
   thread.major_faults = number_in<std::uint64_t>(words[9]);
+  thread.ticks = number_in<std::uint64_t>(words[11]) + number_in<std::uint64_t>(words[12]);
   thread.cpu = number_in<int>(words[36]);
   thread.priority = number_in<int>(words[37]);
   thread.policy = policy_named(number_in<int>(words[38]));

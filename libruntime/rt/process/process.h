@@ -22,6 +22,7 @@ struct ThreadFacts {
   int cpu = 0;         ///< where it ran last
   bool kernel = false;
   // Since it began:
+  std::uint64_t ticks = 0;         ///< of processor time, sysconf(_SC_CLK_TCK) of them a second
   std::uint64_t minor_faults = 0;  ///< pages that were touched for the first time
   std::uint64_t major_faults = 0;  ///< pages that were read from a disk
   std::uint64_t waits = 0;         ///< times it gave the processor away, for a release or in a call

@@ -21,6 +21,7 @@ TEST(ThreadFactsOf, ALineInProcKeepAnyName) {
                                    "nonvoluntary_ctxt_switches:\t3");
 
   ASSERT_TRUE(thread);
+  EXPECT_EQ(thread->ticks, 11U);
   EXPECT_EQ(thread->minor_faults, 10U);
   EXPECT_EQ(thread->major_faults, 0U);
   EXPECT_EQ(thread->waits, 12U);

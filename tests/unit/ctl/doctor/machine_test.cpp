@@ -8,10 +8,10 @@ namespace {
 class DoctorOfTheMachine : public Machine {
  protected:
   void write_thread(const std::string& process, const std::string& thread, const std::string& name,
-                    unsigned flags, int priority) const {
+                    unsigned flags, int priority, int ticks = 0) const {
     write("proc/" + process + "/task/" + thread + "/stat",
-          thread + " (" + name + ") S 1 1 1 0 -1 " + std::to_string(flags) +
-              " 0 0 0 0 0 0 0 0 -2 0 1 0 9 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 1 " +
+          thread + " (" + name + ") S 1 1 1 0 -1 " + std::to_string(flags) + " 0 0 0 0 " +
+              std::to_string(ticks) + " 0 0 0 -2 0 1 0 9 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 1 " +
               std::to_string(priority) + (priority > 0 ? " 1" : " 0") + " 0 0 0");
   }
   void write_cpus(int count) const {
@@ -71,12 +71,31 @@ TEST_F(DoctorOfTheMachine, NamesForeignUrgentThreadsButNotOurs) {
   write_thread("800", "812", "pipe(wire", 0x400040, 10);
   expect(check_foreign(facts), Grade::ok, "less urgent than every component");
   write_thread("800", "812", "pipe(wire", 0x400040, 88);
-  expect(check_foreign(facts), Grade::warn, "pipe(wire (process 800, SCHED_FIFO 88, CPU 1)",
-         "chrt --other --pid 0 812");
+  expect(check_foreign(facts), Grade::warn,
+         "pipe(wire (process 800, SCHED_FIFO 88, CPU 1, used 0 s)", "chrt --other --pid 0 812");
   write("proc/800/comm", "pipewire");
   expect(check_foreign(facts), Grade::warn, "pipe(wire (pipewire 800,", "chrt --other --pid 0 812");
   write("proc/800/comm", "mauved");
   expect(check_foreign(facts), Grade::warn, "(mauved 800,", "end mauved 800, or give it");
+}
+
+TEST_F(DoctorOfTheMachine, TakesNoRealTimeFromTheGuardian) {
+  start_daemon();
+  write("proc/600/comm", "mauve-guardian");
+  write_thread("600", "600", "mauve-guardian", 0x400040, 98);
+  expect(check_foreign(facts), Grade::ok, "none, beside 0 threads of the kernel");
+}
+
+TEST_F(DoctorOfTheMachine, NamesTheForeignThreadFirstThatUsedTheProcessorMost) {
+  for (int i = 1; i <= 8; ++i) {
+    write_thread("900", std::to_string(900 + i), "probe" + std::to_string(i), 0, 90);
+  }
+  write_thread("900", "999", "busy", 0, 60, 5700);
+
+  const auto finding = check_foreign(facts);
+
+  EXPECT_THAT(finding.found,
+              testing::StartsWith("busy (process 900, SCHED_FIFO 60, CPU 1, used 57 s)"));
 }
 
 TEST_F(DoctorOfTheMachine, CountsForeignThreadsThatAreTooManyToName) {
