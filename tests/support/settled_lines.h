@@ -40,7 +40,7 @@ class SettledLines {
     if (::write(near_, &byte, 1) == 1 && ::poll(&come, 1, 10'000) == 1) {
       static_cast<void>(::read(far_, &byte, 1) == 1);
     }
-    static_cast<void>(eventually(others_sleep, std::chrono::seconds(10)));
+    static_cast<void>(eventually(others_sleep, std::chrono::seconds(1)));
   }
 
  private:
