@@ -38,6 +38,12 @@ int refuse_use(const char* text) {
   return kWrongUse;
 }
 
+int print_help() {
+  if (std::fputs(kHelp, stdout) >= 0 && std::fflush(stdout) == 0) return 0;
+  std::fprintf(stderr, "error: the help cannot be written: %s\n", std::strerror(errno));
+  return 1;
+}
+
 /// Reports the error and returns -1.
 int failed(const char* doing, const char* path) {
   say("cannot %s %s: %s.", doing, path, std::strerror(errno));
@@ -122,7 +128,7 @@ void serve_all(int listener) {
 int main(int count, char** words) {
   std::signal(SIGPIPE, SIG_IGN);  // of an output, or of the log, whose reader is gone
   const std::string_view option = count > 1 ? words[1] : "";
-  if (option == "--help" || option == "-h") return std::fputs(kHelp, stdout) < 0 ? 1 : 0;
+  if (option == "--help" || option == "-h") return print_help();
   if (count != 3) return refuse_use("one option and its value are needed");
   if (option == "--connected") {
     int socket = -1;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/standard_streams.h"
 #include "cli/complete.h"
 #include "cli/interrupt.h"
 #include "cli/options.h"
@@ -47,9 +48,10 @@ int refuse_use(const Misuse& misuse) {
 /// A file of which a part is missing must not look like a whole one.
 int refuse_output(const std::string& reason) {
   std::cout.exceptions(std::ios::goodbit);
-  std::cerr << "error: the output of mauvectl cannot be written: " << reason
-            << "\n  state  : mauved carries out what it was asked for all the same\n"
-               "  hint   : free the disk that standard output leads to, then ask for it again\n";
+  std::cerr
+      << "error: the output of mauvectl cannot be written: " << reason
+      << "\n  state  : mauved carries out what it was asked for all the same\n"
+         "  hint   : open standard output, and free the disk that it leads to; then ask again\n";
   return 1;
 }
 
@@ -75,6 +77,7 @@ int run(const std::vector<std::string>& words) {
 }  // namespace
 
 int main(int count, char** words) {
+  mauve::occupy_standard_streams();
   signal(SIGINT, end_at_once);
   signal(SIGTERM, end_at_once);
   // The last door: a full memory or a library's surprise is an error with an exit code, not a

@@ -31,11 +31,15 @@ std::string stamp_file(const std::filesystem::path& path) {
 int main(int argc, char** argv) {
   const std::span words(argv, static_cast<std::size_t>(argc));
   if (argc < 2 || std::string(words[1]).starts_with("-")) {
-    std::puts(
+    const int written = std::puts(
         "Usage: mauve-stamp PLUGIN.so...\n"
         "Writes into each plugin the checksum by which mauved notices damage of the file.\n"
         "mauve_add_plugin() runs it after linking; run it again after any tool that changes the "
         "file.");
+    if (written < 0 || std::fflush(stdout) != 0) {
+      std::fprintf(stderr, "mauve-stamp: the help cannot be written: %s\n", std::strerror(errno));
+      return 1;
+    }
     return argc < 2 ? 2 : 0;
   }
   int wrong = 0;
