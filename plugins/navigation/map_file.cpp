@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <numbers>
+#include <set>
 #include <system_error>
 
 #include <yaml-cpp/yaml.h>
@@ -35,6 +36,16 @@ class Reader {
   Reader(const YAML::Node& map, const std::string& name) : map_(map), name_(name) {}
 
   [[nodiscard]] bool has(const char* key) const { return map_[key].IsDefined(); }
+  /// Of two values of one key it is not known which one is meant.
+  [[nodiscard]] Status each_key_once() const {
+    std::set<std::string> seen;
+    for (const auto& entry : map_) {
+      const YAML::Node& key = entry.first;
+      if (!key.IsScalar() || seen.insert(key.Scalar()).second) continue;
+      return wrong(key, key.Scalar().c_str(), "is there twice", "remove one of the two lines");
+    }
+    return mauve::ok();
+  }
 
   Result<std::string> text(const char* key) const {
     const YAML::Node node = map_[key];
@@ -124,6 +135,7 @@ Result<MapDescription> read_description(const YAML::Node& root, const std::strin
                   "a map says 'image: building.pgm', 'resolution: 0.05', 'origin: [0, 0, 0]'");
   }
   const Reader reader(root, name);
+  if (Status done = reader.each_key_once(); !done) return done.error();
   MapDescription map;
   const Result<std::string> image = reader.text("image");
   if (!image) return image.error();

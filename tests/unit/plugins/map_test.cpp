@@ -156,6 +156,7 @@ TEST(MapDescription, IsRefusedWithLineAndReason) {
   expect("- a\n- b\n", "is no list");
   expect("image: [a\nresolution: 3", "m.yaml:");
   expect(with("image: map.pgm\n", ""), "says no image");
+  expect(std::string(kDescription) + "resolution: 0.1\n", "resolution is there twice");
   expect(with("map.pgm", "''"), "m.yaml:1: image says no file");
   expect(with("map.pgm", "[a, b]"), "m.yaml:1: image must be one value");
   for (const char* wrong : {"0", "-0.05", ".nan", "nan", "inf", "1e9", "1e-9", "five", "''"}) {
