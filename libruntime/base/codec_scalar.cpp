@@ -93,4 +93,10 @@ Error out_of_range(std::int64_t low, std::uint64_t high, const Value& value) {
       shown(value) + " is not from " + std::to_string(low) + " to " + std::to_string(high));
 }
 
+Error text_too_long(std::size_t most, std::size_t size) {
+  return refuse({Errc::invalid_value, "value_out_of_range"}, {},
+                "is a text of " + std::to_string(size) + " bytes, and at most " +
+                    std::to_string(most) + " are taken");
+}
+
 }  // namespace mauve::detail

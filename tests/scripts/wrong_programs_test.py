@@ -362,12 +362,20 @@ class WrongPrograms(unittest.TestCase):
             HEADER % (structs, "plugin.type<Data>(); plugin.type<Derived>(); (void)mauve::data_type<Opaque>();"))
         self.assertEqual(code, 0, output)
 
-    def test_a_field_that_is_an_enumeration(self):
-        self.refused("an enumeration is no field: declare the member as std::int32_t",
-                     "enum class Mode { stand, drive }; struct Data { Mode mode = Mode::stand;"
-                     ' static constexpr std::string_view type_name = "data/1";'
-                     ' static constexpr auto fields() { return std::tuple{mauve::field("mode", &Data::mode)}; } };',
-                     "plugin.type<Data>();")
+    def test_a_field_whose_type_has_no_json(self):
+        refusals = {"an enumeration is no field: declare the member as std::int32_t": ["Mode", "std::array<Mode, 2>"],
+                    "a character is no field: declare a text as mauve::Text<N>": [
+                        "char", "wchar_t", "char8_t", "std::array<char, 16>", "mauve::Bounded<char, 16>",
+                        "std::array<std::array<char, 8>, 2>"],
+                    "a long double is no field: declare the member as double": [
+                        "long double", "std::array<long double, 2>"]}
+        for sentence, kinds in refusals.items():
+            for kind in kinds:
+                self.refused(sentence,
+                             "enum class Mode { stand, drive }; struct Data { double x = 0; %s odd{};"
+                             ' static constexpr std::string_view type_name = "data/1";'
+                             ' static constexpr auto fields() { return std::tuple{mauve::field("x", &Data::x),'
+                             ' mauve::field("odd", &Data::odd)}; } };' % kind, "plugin.type<Data>();")
 
     def test_a_description_with_a_conversion_that_may_throw(self):
         self.refused_description(

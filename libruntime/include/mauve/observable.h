@@ -61,7 +61,8 @@ class ObservableBase {
 /// @snippet api_examples.cpp Observable
 template <typename T>
 class Observable final : public ObservableBase {
-  static_assert(std::is_arithmetic_v<T>, "mauve: an observable is a number or a boolean");
+  static_assert(std::is_arithmetic_v<T> && detail::HasCodec<T>,
+                "mauve: an observable is a number or a boolean");
 
  public:
   /// `text` describes the value for people, `unit` is its unit; both are literals.

@@ -35,8 +35,9 @@
 ///
 /// A text has at most N bytes, an array has N items, and a
 /// Bounded has at most N. Other types do not compile, such as an enumeration (write a
-/// `std::int32_t`), `char`, a pointer, `double[3]` or `std::vector`. Properties may also hold a
-/// `std::string`, but a value with one has no fixed size, and no resource exchanges it.
+/// `std::int32_t`), `char`, `long double`, a pointer, `double[3]` or `std::vector`. Properties may
+/// also hold a `std::string` of at most 4096 bytes, but a value with one has no fixed size, and no
+/// resource exchanges it.
 ///
 /// fields() of an aggregate has each of its members, or none (`return std::tuple{};`): then the
 /// type is opaque to tools, and its author raises the revision with each change. Members of a

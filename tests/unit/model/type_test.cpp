@@ -111,6 +111,25 @@ TEST(Type, RefusesFieldsThatDoNotFitAndNamesThem) {
   EXPECT_FALSE(full);
 }
 
+TEST(Type, RefusesAnEnormousValueInOneSentenceThatDoesNotRepeatIt) {
+  const std::string enormous(900'000, 'x');
+  std::string text;
+  Scan scan;
+  const auto refused = [&](const Value& value) {
+    return data_type<Scan>().from_value(value, &scan).error();
+  };
+
+  EXPECT_EQ(data_type<std::string>().from_value(enormous, &text).error().message,
+            "is a text of 900000 bytes, and at most 4096 are taken");
+  EXPECT_TRUE(data_type<std::string>().from_value(enormous.substr(0, 4096), &text));
+  EXPECT_EQ(refused(Value::Object{{"frame", enormous}}).message,
+            "is a text of 900000 bytes, and at most 8 are taken");
+  EXPECT_EQ(refused(Value::Object{{"mode", enormous}}).message,
+            "expected an integer, got \"" + std::string(59, 'x') + "... (900002 bytes)");
+  EXPECT_LT(refused(Value::Object{{"counts", Value::Array(100'000, 1)}}).message.size(), 200U);
+  EXPECT_LT(to_string(refused(Value::Object{{enormous, 1}})).size(), 300U);
+}
+
 TEST(Type, KeepsEveryUnsignedIntegerOf64Bits) {
   const auto& type = data_type<std::uint64_t>();
   for (const std::uint64_t number : {std::uint64_t{0}, std::uint64_t{INT64_MAX},

@@ -113,11 +113,11 @@ inline constexpr bool kFieldsOf = false;
 template <typename T, typename... F>
 inline constexpr bool kFieldsOf<T, std::tuple<F...>> = (kFieldOf<T, F> && ...);
 
-/// A field that is an enumeration, which field() has refused by its own sentence.
+/// A field that field() has refused by its own sentence.
 template <typename Fields>
-inline constexpr bool kHasEnumeration = false;
+inline constexpr bool kHasNoField = false;
 template <typename Owner, typename... M>
-inline constexpr bool kHasEnumeration<std::tuple<Field<Owner, M>...>> = (std::is_enum_v<M> || ...);
+inline constexpr bool kHasNoField<std::tuple<Field<Owner, M>...>> = (kNoField<M> || ...);
 
 /// Stands for a value of any member of the aggregate T, but for none of a base class.
 template <typename T>
@@ -149,7 +149,7 @@ concept HasGoodFields = HasFields<T> && kFieldsOf<T, decltype(Described<T>::fiel
 
 template <detail::HasFields T>
 struct Codec<T> {
-  static_assert(detail::kHasEnumeration<decltype(Described<T>::fields())>,
+  static_assert(detail::kHasNoField<decltype(Described<T>::fields())>,
                 "mauve: fields() of a described type T returns `std::tuple{mauve::field(\"NAME\", "
                 "&T::NAME), ...}` of members of T; the type of each is described too");
   static Value encode(const T& data);

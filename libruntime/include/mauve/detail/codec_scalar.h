@@ -15,6 +15,7 @@
 #include <utility>
 
 #include <mauve/bounded.h>
+#include <mauve/detail/field.h>
 #include <mauve/host/value.h>
 #include <mauve/result.h>
 #include <mauve/time.h>
@@ -55,25 +56,6 @@ struct Described<T> : detail::OwnBefore<T> {
   }
   { T::convert(old, now); }
 };
-
-/// One field of a described struct: name, member, unit and text for people.
-template <typename Owner, typename T>
-struct Field {
-  std::string_view name;
-  T Owner::*member;
-  std::string_view unit;
-  std::string_view text;
-};
-
-template <typename Owner, typename T>
-constexpr Field<Owner, T> field(std::string_view name, T Owner::*member, std::string_view unit = {},
-                                std::string_view text = {}) {
-  static_assert(
-      !std::is_enum_v<T>,
-      "mauve: an enumeration is no field: declare the member as std::int32_t, and convert "
-      "it where the core uses it");
-  return {name, member, unit, text};
-}
 
 /// Parses "10ms", formats it back. Defined by the base layer.
 [[nodiscard]] Result<Duration> parse_duration(std::string_view text);
@@ -117,6 +99,12 @@ void add_field(Value::Array& fields, std::string_view name, Value kind, std::str
 /// "not an integer from 0 to 255: 300"
 [[nodiscard]] Error out_of_range(std::int64_t low, std::uint64_t high, const Value& value);
 
+/// "is a text of 900000 bytes, and at most 4096 are taken"
+[[nodiscard]] Error text_too_long(std::size_t most, std::size_t size);
+
+/// Of a property that is a std::string, in bytes: it is copied, saved and shown whole.
+inline constexpr std::size_t kLongestString = 4096;
+
 }  // namespace detail
 
 /// Conversion of one type; empty for types without description.
@@ -136,7 +124,7 @@ struct Codec<bool> {
 };
 
 template <std::integral T>
-struct Codec<T> {
+requires(!detail::kCharacter<T>) struct Codec<T> {
   using Widest = std::conditional_t<std::is_signed_v<T>, std::int64_t, std::uint64_t>;
 
   static Value encode(T data) { return static_cast<Widest>(data); }
@@ -161,7 +149,7 @@ struct Codec<T> {
 };
 
 template <std::floating_point T>
-struct Codec<T> {
+requires(!detail::kLongDouble<T>) struct Codec<T> {
   static Value encode(T data) { return static_cast<double>(data); }
   static Status decode(const Value& value, T& data) {
     if (const auto number = value.number()) {
@@ -182,6 +170,9 @@ struct Codec<std::string> {
   static Status decode(const Value& value, std::string& data) {
     const auto* s = value.get_if<std::string>();
     if (s == nullptr) return detail::wrong_kind("a string", value);
+    if (s->size() > detail::kLongestString) {
+      return detail::text_too_long(detail::kLongestString, s->size());
+    }
     data = *s;
     return ok();
   }
@@ -208,7 +199,7 @@ struct Codec<Text<N>> {
   static Status decode(const Value& value, Text<N>& data) {
     const auto* s = value.get_if<std::string>();
     if (s == nullptr) return detail::wrong_kind("a string", value);
-    if (s->size() > N) return detail::out_of_range(0, N, static_cast<std::int64_t>(s->size()));
+    if (s->size() > N) return detail::text_too_long(N, s->size());
     data = std::string_view(*s);
     return ok();
   }
