@@ -134,8 +134,10 @@ void declare_records(CLI::App& app, Options& options) {
   app.add_option("--state-dir", options.state_dir,
                  "Keep generations and the audit log here; else in $STATE_DIRECTORY")
       ->type_name("DIR");
-  app.add_flag("--fresh", options.fresh,
-               "Start the file, also after a crash, and not the newest confirmed generation");
+  app.add_flag(
+      "--fresh", options.fresh,
+      "Start the file, also after a crash, and not the newest confirmed generation; the stops "
+      "of users end");
   app.add_option_function<std::string>(
          "--flight-recorder",
          [&options](const std::string& text) { options.flight_recorder = text == "on"; },

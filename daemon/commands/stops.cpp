@@ -89,6 +89,9 @@ void reply_when_saved(Running& running, const Call& call, server::Outcome outcom
 }
 
 std::string in_words(const UserStop& stop) {
+  if (!stop.cause.empty()) {
+    return "mauved stopped it at " + stop.time + ": " + stop.cause;
+  }
   return "uid " + std::to_string(stop.uid) + " stopped it at " + stop.time;
 }
 

@@ -48,7 +48,8 @@ std::shared_ptr<SavedStop> save_stop_directly(const Running& running, const Call
 /// [control] Answers a stop when it is saved.
 void reply_when_saved(Running& running, const Call& call, server::Outcome outcome);
 
-/// "uid 1000 stopped it at 2026-01-01T10:00:00Z".
+/// "uid 1000 stopped it at 2026-01-01T10:00:00Z"; of a stop that no user asked for: "mauved stopped
+/// it at 2026-01-01T10:00:00Z: the required guardian was lost".
 [[nodiscard]] std::string in_words(const UserStop& stop);
 
 /// [control] The stop that keeps this component from running; null: none does.

@@ -117,7 +117,8 @@ void Guardian::stop_all() {
         lines.push_back(arch::make_line("start", name + ".start", true, false));
       }
     }
-    auto stopping = running->deployer.begin_stop_all(2s, stop_by(*call));
+    const UserStop by{0, logging::utc(std::chrono::system_clock::now()), 0, cause};
+    auto stopping = running->deployer.begin_stop_all(2s, by);
     static_cast<void>(save_stops(*running));
     when_answered(*running, std::move(stopping), [running, call, lines](Ongoing& done) {
       rt::GuardedOutputs::of_process().send_again();

@@ -21,32 +21,11 @@ using std::filesystem::path;
 constexpr mode_t kDirectoryMode = 0750;
 constexpr mode_t kFileMode = 0640;
 
-Error failed(const path& what, const std::string& doing) {
-  const int code = errno;
-  return refuse({Errc::system, "state_not_written"}, what.string(),
-                "cannot " + doing + ": " + std::strerror(code),
-                "free the disk, or see to its owner and mode");
-}
-
-Status write_all(int fd, std::string_view content, const path& file) {
-  while (!content.empty()) {
-    const auto written = ::write(fd, content.data(), content.size());
-    if (written < 0 && errno == EINTR) {
-      continue;
-    }
-    if (written <= 0) {
-      return failed(file, "write");
-    }
-    content.remove_prefix(static_cast<std::size_t>(written));
-  }
-  return ok();
-}
-
 /// Only after this call the entries of a directory are on the disk.
 Status sync_directory(const path& directory) {
   const Descriptor fd(::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!fd || ::fsync(fd.get()) != 0) {
-    return failed(directory, "bring the directory to the disk");
+    return state_not_written(directory, "bring the directory to the disk");
   }
   return ok();
 }
@@ -55,14 +34,14 @@ Status write_new(const path& file, std::string_view content) {
   const Descriptor fd(
       ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, kFileMode));
   if (!fd) {
-    return failed(file, "make");
+    return state_not_written(file, "make");
   }
   if (auto written = write_all(fd.get(), content, file); !written) {
     return written;
   }
   MAUVE_FAIL_POINT("generations.after_write");
   if (::fsync(fd.get()) != 0) {
-    return failed(file, "bring to the disk");
+    return state_not_written(file, "bring to the disk");
   }
   MAUVE_FAIL_POINT("generations.after_fsync");
   return ok();
@@ -77,13 +56,34 @@ bool ends_within_a_line(int fd) {
 
 }  // namespace
 
+Error state_not_written(const path& what, const std::string& doing) {
+  const int code = errno;
+  return refuse({Errc::system, "state_not_written"}, what.string(),
+                "cannot " + doing + ": " + std::strerror(code),
+                "free the disk, or see to its owner and mode");
+}
+
+Status write_all(int fd, std::string_view content, const path& file) {
+  while (!content.empty()) {
+    const auto written = ::write(fd, content.data(), content.size());
+    if (written < 0 && errno == EINTR) {
+      continue;
+    }
+    if (written <= 0) {
+      return state_not_written(file, "write");
+    }
+    content.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return ok();
+}
+
 Status make_directory(const path& directory) {
   if (::mkdir(directory.c_str(), kDirectoryMode) == 0) {
     return sync_directory(directory.has_parent_path() ? directory.parent_path() : ".");
   }
   struct stat status {};
   if (errno != EEXIST) {
-    return failed(directory, "make the directory");
+    return state_not_written(directory, "make the directory");
   }
   if (::stat(directory.c_str(), &status) != 0 || !S_ISDIR(status.st_mode)) {
     return refuse({Errc::system, "state_place_unfit"}, directory.string(), "is no directory");
@@ -94,7 +94,7 @@ Status make_directory(const path& directory) {
 Result<Descriptor> hold_directory(const path& directory) {
   Descriptor fd(::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!fd) {
-    return failed(directory, "open the directory");
+    return state_not_written(directory, "open the directory");
   }
   if (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0) {
     return refuse({Errc::conflict, "state_in_use"}, directory.string(),
@@ -108,7 +108,7 @@ Status replace_file(const path& file, std::string_view content) {
   const path draft = file.string() + ".new";
   auto done = write_new(draft, content);
   if (done && ::rename(draft.c_str(), file.c_str()) != 0) {
-    done = failed(file, "put in place");
+    done = state_not_written(file, "put in place");
   }
   if (!done) {
     ::unlink(draft.c_str());
@@ -126,7 +126,7 @@ Status append_lines(const path& file, std::string_view lines) {
       file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW | O_NOCTTY | O_NONBLOCK,
       kFileMode));
   if (!fd) {
-    return failed(file, "open");
+    return state_not_written(file, "open");
   }
   struct stat status {};
   if (::fstat(fd.get(), &status) != 0 || !S_ISREG(status.st_mode)) {
@@ -139,7 +139,7 @@ Status append_lines(const path& file, std::string_view lines) {
     return written;
   }
   if (::fsync(fd.get()) != 0) {
-    return failed(file, "bring to the disk");
+    return state_not_written(file, "bring to the disk");
   }
   return fresh ? sync_directory(file.parent_path()) : ok();
 }

@@ -12,6 +12,13 @@
 
 namespace mauve::daemon {
 
+/// The refusal of a step that failed just now, with the reason of errno: "cannot make: ...".
+[[nodiscard]] Error state_not_written(const std::filesystem::path& what, const std::string& doing);
+
+/// Writes the content at the present place of an open file.
+[[nodiscard]] Status write_all(int descriptor, std::string_view content,
+                               const std::filesystem::path& file);
+
 /// Makes the directory where it is missing, for this user and his group; its parent must be there.
 [[nodiscard]] Status make_directory(const std::filesystem::path& directory);
 

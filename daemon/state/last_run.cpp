@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <charconv>
 #include <csignal>
 #include <cstdlib>
@@ -21,13 +22,23 @@ namespace {
 
 using logging::Event;
 
-// The words in `running`, before " started GENERATION" where a run has begun. A run that began not
-// long ago writes "machine RUN".
+// The words in `running`, before " started GENERATION runs GENERATION" where a run has begun. A run
+// that began not long ago writes "machine RUN".
 constexpr std::string_view kEnded = "ended";
 constexpr std::string_view kRanLong = "ran long";
 constexpr std::string_view kRefused = "refused after a crash";
 constexpr std::string_view kMachine = "machine ";
 constexpr std::string_view kStarted = " started ";
+constexpr std::string_view kRuns = " runs ";
+
+/// The number behind this word; 0: there is none.
+std::uint64_t number_after(std::string_view word, std::string_view text) {
+  std::uint64_t number = 0;
+  if (const auto at = text.rfind(word); at != std::string_view::npos) {
+    std::from_chars(text.data() + at + word.size(), text.data() + text.size(), number);
+  }
+  return number;
+}
 
 /// Another one after each power cut or restart of the machine; empty: not known. A sandbox may hide
 /// the number of the system: then one in the directory that the service manager makes anew.
@@ -69,7 +80,7 @@ LastRun::LastRun(const std::filesystem::path& directory, logging::Log& log)
 
 void LastRun::read(bool generations_are_kept) {
   continues_ = trusted(continue_, log_).has_value();
-  const auto marker = trusted(running_, log_);
+  const auto marker = trusted(running_.path(), log_);
   std::string_view text = marker ? std::string_view(*marker) : std::string_view();
   text = text.substr(0, text.find_last_not_of(" \t\r\n") + 1);
   crashed_ = marker ? text != kEnded : generations_are_kept;
@@ -77,14 +88,15 @@ void LastRun::read(bool generations_are_kept) {
   if (started == std::string_view::npos) {
     return;
   }
-  const auto number = text.substr(started + kStarted.size());
-  std::from_chars(number.data(), number.data() + number.size(), began_with_);
+  began_with_ = number_after(kStarted, text);
   if (!text.starts_with(kMachine)) {
     return;
   }
   const auto machine = text.substr(kMachine.size(), started - kMachine.size());
   const bool ran_on = !machine.empty() && machine == run_of_the_machine();
-  crashed_generation_ = ran_on && trusted(fault_, log_) ? began_with_ : 0;
+  if (ran_on && trusted(fault_, log_)) {
+    crashed_generation_ = std::max(began_with_, number_after(kRuns, text));
+  }
 }
 
 void LastRun::try_generation(std::uint64_t generation) {
@@ -116,19 +128,33 @@ void LastRun::mark_failures() {
 }
 
 void LastRun::started(std::uint64_t generation) {
-  started_ = generation;
-  put(std::string(kMachine) + run_of_the_machine(), generation);
+  words_ = std::string(kMachine) + run_of_the_machine();
+  started_ = runs_ = generation;
+  put_run();
 }
 
-void LastRun::ran_long() { put(kRanLong, started_); }
+void LastRun::goes_on(std::uint64_t generation) {
+  runs_ = generation;
+  put_run();
+}
+
+void LastRun::ran_long() {
+  words_ = kRanLong;
+  put_run();
+}
 
 void LastRun::refused() {
-  return crashed_ || continues_ ? put(kRefused, began_with_) : put(kEnded);
+  if (!crashed_ && !continues_) {
+    return put(std::string(kEnded));
+  }
+  words_ = kRefused;
+  started_ = runs_ = began_with_;
+  put_run();
 }
 
 void LastRun::ended() {
   ends_by_order();
-  put(kEnded);
+  put(std::string(kEnded));
   std::error_code ignored;
   std::filesystem::remove(file_crashed_, ignored);
 }
@@ -146,12 +172,13 @@ bool LastRun::has_crashed(const std::filesystem::path& architecture) const {
   return !unknown && crashed >= changed;
 }
 
-void LastRun::put(std::string_view words, std::uint64_t began_with) {
-  put(std::string(words) + std::string(kStarted) + std::to_string(began_with));
+void LastRun::put_run() {
+  put(words_ + std::string(kStarted) + std::to_string(started_) + std::string(kRuns) +
+      std::to_string(runs_));
 }
 
-void LastRun::put(std::string_view text) {
-  if (auto put = replace_file(running_, std::string(text) + "\n"); !put) {
+void LastRun::put(const std::string& text) {
+  if (auto put = running_.replace(text + "\n"); !put) {
     log_.write(Event::generation_not_saved,
                {{"text", to_string(put.error())}, {"file", put.error().at}});
   }

@@ -32,8 +32,9 @@ struct Origin {
 /// kMostCrashes runs in a row all crashed within kSoon is passed over. If there is none, the file
 /// of the command line, or, when that crashed too, the generation that crashed least; the file is
 /// refused if it is of another name. A run that was killed from outside did not crash. In each case
-/// the components stay stopped that were stopped last. Otherwise, and with --fresh: the file as it
-/// is. A crash is counted when the machine ran on. `store` may be null: nothing is kept. [main]
+/// the components stay stopped that were stopped last. Otherwise, and with --fresh: the file. The
+/// stops of users stand after each end of a run; only --fresh begins without them. A crash is
+/// counted when the machine ran on. `store` may be null: nothing is kept. [main]
 [[nodiscard]] Result<Origin> what_to_start(const Options& options, StateStore* store,
                                            logging::Log& log);
 

@@ -206,11 +206,11 @@ TEST_F(Generations, AreTheOldOnesOrTheNewOnesAfterAPowerCutAtAnyPoint) {
   const std::vector<std::pair<std::string, bool>> points = {
       {"commit.before_decide", false},
       {"commit.after_decide", false},
-      {"generations.before_write@5", false},
-      {"generations.after_write@5", false},
-      {"generations.after_fsync@5", false},
-      {"generations.after_rename@5", true},
-      {"generations.after_directory_fsync@5", true}};
+      {"generations.before_write@3", false},
+      {"generations.after_write@3", false},
+      {"generations.after_fsync@3", false},
+      {"generations.after_rename@3", true},
+      {"generations.after_directory_fsync@3", true}};
   for (const auto& [point, in_force] : points) {
     std::filesystem::remove_all(state());
     setenv("MAUVE_FAIL", point.c_str(), 1);

@@ -30,14 +30,12 @@ struct Kept {
   Json content;                      ///< as config.get exports it; null: not known
   Worth worth = Worth::unconfirmed;  ///< only a confirmed one is started after a crash
   bool saved = true;                 ///< was answered as saved; false: may be on the disk or not
-  unsigned crashes = 0;
 };
 
 class KeptOracle {
  public:
   using Json = protocol::Json;
 
-  static constexpr unsigned kMostCrashes = 3;
   static constexpr std::size_t kKept = 100;
 
   /// A new generation; a number is never used again for another content.
@@ -51,8 +49,7 @@ class KeptOracle {
   /// The run starts with this one, which is not confirmed before somebody says so.
   void begin(std::uint64_t number, const Json& content) {
     EXPECT_GT(number, highest_) << "numbers go on over restarts";
-    add(number, {content, Worth::unconfirmed, true, start_crashes_});
-    started_ = content;
+    add(number, {content, Worth::unconfirmed, true});
   }
   void set_worth(std::uint64_t number, Worth worth) {
     const auto found = kept_.find(number);
@@ -90,41 +87,25 @@ class KeptOracle {
     }
   }
 
-  /// The run crashed soon after its start: this architecture is started next. The components that
-  /// the newest generation or a user has stopped stay stopped, in an older one and in the file too.
-  [[nodiscard]] Json after_crash(const Json& file) {
-    newest_ = kept_.empty() ? Json::object() : kept_.rbegin()->second.content;
-    if (auto* crashed = newest_confirmed(started_)) ++crashed->crashes;
-    std::vector<Json> passed_over;
-    start_crashes_ = 0;
+  /// Somebody killed the run, which counts against nothing: this architecture is started next. The
+  /// components that the newest generation or a user has stopped stay stopped, in an older one and
+  /// in the file too.
+  [[nodiscard]] Json after_kill(const Json& file) const {
+    const Json newest = kept_.empty() ? Json::object() : kept_.rbegin()->second.content;
     for (auto it = kept_.rbegin(); it != kept_.rend(); ++it) {
-      const auto& kept = it->second;
-      const bool skipped = std::find(passed_over.begin(), passed_over.end(),
-                                     stopped(kept.content)) != passed_over.end();
-      if (!confirmed_(kept) || skipped) continue;
-      if (kept.crashes >= kMostCrashes) {
-        passed_over.push_back(stopped(kept.content));
-        continue;
-      }
-      start_crashes_ = kept.crashes;
-      return with_stops(stopped(kept.content));
+      if (confirmed_(it->second)) return with_stops(stopped(it->second.content, newest));
     }
-    return with_stops(stopped(file));
+    return with_stops(stopped(file, newest));
   }
-  /// The run came to its orderly end: the file is started next, and a row of crashes has ended.
-  void after_end() {
-    newest_ = Json::object();
-    users_.clear();
-    if (auto* ended = newest_confirmed(started_)) ended->crashes = 0;
-    start_crashes_ = 0;
-  }
+  /// The run came to its orderly end: the file is started next, and the stops of users stand.
+  [[nodiscard]] Json after_end(const Json& file) const { return with_stops(file); }
 
  private:
   static bool confirmed_(const Kept& kept) { return kept.worth == Worth::confirmed; }
 
-  /// With the components stopped that the newest generation has stopped.
-  [[nodiscard]] Json stopped(Json content) const {
-    const auto of_newest = newest_.value("components", Json::object());
+  /// With the components stopped that this newest generation has stopped.
+  [[nodiscard]] static Json stopped(Json content, const Json& newest) {
+    const auto of_newest = newest.value("components", Json::object());
     for (auto& [name, component] : content["components"].items()) {
       if (!of_newest.value(name, Json::object()).value("start", true)) component["start"] = false;
     }
@@ -150,13 +131,6 @@ class KeptOracle {
     kept.worth = confirmed ? Worth::confirmed : Worth::unconfirmed;
     kept.saved = true;
     return true;
-  }
-  Kept* newest_confirmed(const Json& content) {
-    for (auto it = kept_.rbegin(); it != kept_.rend(); ++it) {
-      const bool same = stopped(it->second.content) == stopped(content);
-      if (confirmed_(it->second) && same) return &it->second;
-    }
-    return nullptr;
   }
   /// A start that was never confirmed goes after a crash, a copy that a newer one replaces, and one
   /// that has as many newer ones as are kept.
@@ -191,11 +165,8 @@ class KeptOracle {
   }
 
   std::map<std::uint64_t, Kept> kept_;
-  std::uint64_t highest_ = 0;  ///< that was answered as saved, or is on the disk
-  Json started_;
-  Json newest_ = Json::object();  ///< at the crash
-  std::set<std::string> users_;   ///< what users have stopped
-  unsigned start_crashes_ = 0;
+  std::uint64_t highest_ = 0;    ///< that was answered as saved, or is on the disk
+  std::set<std::string> users_;  ///< what users have stopped
 };
 
 }  // namespace mauve::test

@@ -45,8 +45,7 @@ class Kills : public Generations {
     daemon.process().signal(SIGKILL);
     static_cast<void>(daemon.process().wait());
     oracle_.compare(state() / "generations", steady_clock::now() - begin > kMayProve);
-    wanted_ = ends ? Json() : oracle_.after_crash(file_);
-    if (ends) oracle_.after_end();
+    wanted_ = ends ? oracle_.after_end(file_) : oracle_.after_kill(file_);
     story_ = robot.story() + (ends ? "\n  SIGTERM" : "\n  SIGKILL");
   }
   void expect_start(Robot& robot, TrialDaemon& daemon) {

@@ -21,7 +21,7 @@ namespace {
 bool is_so_already(const ChangeRequest& request) {
   const auto& change = request.change;
   const bool elements = !change.new_components.empty() || !change.new_resources.empty() ||
-                        !change.remove.empty() || request.hooks != nullptr;
+                        !change.remove.empty() || !change.stops.empty() || request.hooks != nullptr;
   return !elements && request.lines.empty() &&
          std::ranges::all_of(change.edits, [](const Edit& edit) {
            return edit.state != StatePolicy::drop && !edit.core && !edit.fsm && !edit.type &&

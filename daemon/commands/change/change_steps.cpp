@@ -10,6 +10,7 @@
 #include "commands/model.h"
 #include "commands/path_rule.h"
 #include "commands/recovery/abandoned.h"
+#include "commands/stops.h"
 
 namespace mauve::daemon {
 
@@ -49,6 +50,34 @@ void keep_values_and_states(const Running& running, StatePolicy policy, Change& 
   }
 }
 
+/// The components that a user names to stop them, also those that stand already.
+std::vector<std::string> stopped_by(const rules::Steps& steps) {
+  std::vector<std::string> names;
+  for (const auto& step : steps) {
+    if (step.action == rules::Action::stop) {
+      names.push_back(step.subject);
+    }
+  }
+  return names;
+}
+
+/// Nothing of the steps is to be done, but those that stand are stopped by a user from now on.
+void stop_as_they_stand(Running& running, const CallPtr& call,
+                        const std::vector<std::string>& names, Ticket ticket) {
+  if (auto met = check_conditions(running, *call); !met) {
+    return answer(running, *call, met.error());
+  }
+  auto stopping = running.deployer.begin_stop(names, stop_by(*call));
+  if (!stopping) {
+    return answer(running, *call, stopping.error());
+  }
+  when_answered(
+      running, *std::move(stopping), [&running, call, ticket = std::move(ticket)](Ongoing& done) {
+        const auto receipt = done.result();
+        answer(running, *call, receipt ? Result<Json>(to_json(*receipt)) : receipt.error(), "safe");
+      });
+}
+
 }  // namespace
 
 void change_steps(Running& running, const CallPtr& call, Ticket ticket) {
@@ -64,6 +93,12 @@ void change_steps(Running& running, const CallPtr& call, Ticket ticket) {
   auto change = arch::change_of(steps, running.architecture, running.deployer, running.catalog);
   if (!change) {
     return answer(running, *call, change.error());
+  }
+  change->stops = stopped_by(steps);
+  change->stopped_by = stop_by(*call);
+  const bool dry_run = flag(call->params, "dry_run");
+  if (change->edits.empty() && !change->stops.empty() && !dry_run) {
+    return stop_as_they_stand(running, call, change->stops, std::move(ticket));
   }
   if (change->edits.empty()) {
     return answer(running, *call, to_json(Receipt{running.generation, {}, {}, 0, {}}));

@@ -97,18 +97,45 @@ std::shared_ptr<void> until_over(Running& running, std::shared_ptr<StopOrder> or
           }};
 }
 
+/// A rollback may bring the component back, or a change under way brings it.
+std::string note_on_away(const std::string& component) {
+  return component +
+         " is not part of the system now; if a rollback brings it back, it stays stopped";
+}
+
+/// The components of a stop.
+struct Meant {
+  std::vector<std::string> stopped = {};  ///< already
+  std::vector<arch::Line> lines = {};     ///< of those that are to stop
+  std::vector<std::string> away = {};     ///< a note for each
+};
+
+Meant sort(const Running& running, const std::vector<std::string>& names) {
+  Meant meant;
+  for (const auto& name : names) {
+    if (is_away(running, name)) {
+      meant.away.push_back(note_on_away(name));
+    } else if (running.deployer.status(name).state == ComponentState::stopped) {
+      meant.stopped.push_back(name);
+    } else {
+      meant.lines.push_back(arch::make_line("start", name + ".start", true, false));
+    }
+  }
+  return meant;
+}
+
 /// The answer to a dry run of a stop.
-Json planned(const Running& running, const std::vector<arch::Line>& lines,
-             const std::vector<std::string>& stopped) {
+Json planned(const Running& running, const Meant& meant) {
   Receipt nothing;
   nothing.generation = running.deployer.generation();
   auto result = to_json(nothing);
   result["dry_run"] = true;
-  say_lines(lines, result);
+  say_lines(meant.lines, result);
   if (!result.contains("lines")) {
     result["lines"] = Json::array();
   }
-  say_already(stopped, "stopped", result);
+  say_already(meant.stopped, "stopped", result);
+  say_notes(meant.away, result);
   return result;
 }
 
@@ -148,22 +175,13 @@ void stop(Running& running, const CallPtr& call, Ticket /*none: it waits for no 
   if (auto met = ordered ? ok() : check_conditions(running, *call); !met) {
     return answer(running, *call, met.error());
   }
-  const auto names = components_meant(running, *call, "stop");
+  const auto names = components_meant(running, *call, "stop", Away::too);
   if (!names) {
     return answer(running, *call, names.error());
   }
-  std::vector<std::string> stopped;
-  std::vector<arch::Line> lines;
-  for (const auto& name : *names) {
-    const auto state = running.deployer.status(name).state;
-    if (state == ComponentState::stopped) {
-      stopped.push_back(name);
-    } else {
-      lines.push_back(arch::make_line("start", name + ".start", true, false));
-    }
-  }
+  const auto meant = sort(running, *names);
   if (flag(call->params, "dry_run")) {
-    return answer(running, *call, planned(running, lines, stopped));
+    return answer(running, *call, planned(running, meant));
   }
   note_place_failures(running);
   for (const auto& name : *names) {
@@ -183,7 +201,7 @@ void stop(Running& running, const CallPtr& call, Ticket /*none: it waits for no 
     running.store->stops().served(call->stage);
   }
   when_answered(
-      running, *std::move(stopping), [&running, call, over, stopped, lines](Ongoing& done) mutable {
+      running, *std::move(stopping), [&running, call, over, meant](Ongoing& done) mutable {
         const auto receipt = done.result();
         over.reset();  // [stop] does not watch it while it waits for the disk
         if (!receipt) {
@@ -193,10 +211,11 @@ void stop(Running& running, const CallPtr& call, Ticket /*none: it waits for no 
             call->order != nullptr ? call->order->stopped_directly() : std::vector<std::string>();
         auto result = ran.empty() ? to_json(*receipt) : directly(to_json(*receipt), ran);
         if (ran.empty()) {
-          say_already(stopped, "stopped", result);
+          say_already(meant.stopped, "stopped", result);
         }
+        say_notes(meant.away, result);
         if (flag(result, "changed")) {
-          say_lines(lines, result);
+          say_lines(meant.lines, result);
         }
         answer(running, *call, std::move(result));
       });

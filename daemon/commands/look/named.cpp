@@ -19,8 +19,18 @@ std::vector<std::string> names_in(const Json& params, const char* name) {
   return names;
 }
 
+bool is_away(const Running& running, const std::string& component) {
+  if (running.architecture.find_component(component) != nullptr) {
+    return false;
+  }
+  const auto open = running.deployer.probations();
+  return std::ranges::any_of(open, [&component](const OpenProbation& one) {
+    return std::ranges::find(one.removed, component) != one.removed.end();
+  });
+}
+
 Result<std::vector<std::string>> components_meant(const Running& running, const Call& call,
-                                                  const std::string& verb) {
+                                                  const std::string& verb, Away away) {
   auto names = names_in(call.params, "components");
   const bool all = flag(call.params, "all");
   if (all == !names.empty()) {
@@ -34,7 +44,8 @@ Result<std::vector<std::string>> components_meant(const Running& running, const 
     }
   }
   for (const auto& name : names) {
-    if (const auto component = find_component(running, name); !component) {
+    const auto component = find_component(running, name);
+    if (!component && (away == Away::refused || !is_away(running, name))) {
       return component.error();
     }
   }

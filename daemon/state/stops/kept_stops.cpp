@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "state/stops/kept_stops.h"
 
-#include <unistd.h>
-
 #include <chrono>
 #include <optional>
 #include <utility>
@@ -10,7 +8,6 @@
 #include "arch/build/load.h"
 #include "plugin/load/trust.h"
 #include "protocol/framing.h"
-#include "state/durable.h"
 
 namespace mauve::daemon {
 
@@ -19,7 +16,12 @@ namespace {
 using logging::Event;
 using protocol::Json;
 
-Json json_of(const UserStop& stop) { return {{"uid", stop.uid}, {"time", stop.time}}; }
+Json json_of(const UserStop& stop) {
+  if (!stop.cause.empty()) {
+    return {{"cause", stop.cause}, {"time", stop.time}};
+  }
+  return {{"uid", stop.uid}, {"time", stop.time}};
+}
 
 std::string text_of(const UserStops& stops) {
   Json json = {{"components", Json::object()}};
@@ -34,11 +36,19 @@ std::string text_of(const UserStops& stops) {
 }
 
 std::optional<UserStop> stop_in(const Json& json) {
-  if (!json.is_object() || !json.contains("uid") || !json["uid"].is_number_unsigned() ||
-      !json.contains("time") || !json["time"].is_string()) {
+  if (!json.is_object() || !json.contains("time") || !json["time"].is_string()) {
     return std::nullopt;
   }
-  return UserStop{json["uid"].get<std::uint32_t>(), json["time"].get<std::string>(), 0};
+  const auto time = json["time"].get<std::string>();
+  const auto cause = json.find("cause");
+  if (cause != json.end() && cause->is_string() && *cause != "") {
+    return UserStop{0, time, 0, cause->get<std::string>()};
+  }
+  const auto uid = json.find("uid");
+  if (cause != json.end() || uid == json.end() || !uid->is_number_unsigned()) {
+    return std::nullopt;
+  }
+  return UserStop{uid->get<std::uint32_t>(), time, 0};
 }
 
 /// Nothing: the text is no such list.
@@ -81,19 +91,20 @@ KeptStops::KeptStops(const std::filesystem::path& directory, logging::Log& log)
 
 UserStops KeptStops::read() const {
   std::error_code ignored;
-  if (!std::filesystem::exists(std::filesystem::symlink_status(file_, ignored))) {
+  if (!std::filesystem::exists(std::filesystem::symlink_status(file_.path(), ignored))) {
     return {};
   }
-  const auto text = arch::read_file(file_.string(), &plugin::Trust::of_this_process());
+  const auto text = arch::read_file(file_.path().string(), &plugin::Trust::of_this_process());
   const auto stops = text ? stops_in(*text) : std::nullopt;
   if (stops) {
     return *stops;
   }
   const Reason damaged{Errc::invalid_value, "state_damaged"};
-  const auto why = text ? refuse(damaged, file_.string(), "is damaged") : text.error();
-  log_.write(Event::stops_lost, {{"text", to_string(why)}, {"file", file_.string()}});
+  const auto why = text ? refuse(damaged, file_.path().string(), "is damaged") : text.error();
+  log_.write(Event::stops_lost, {{"text", to_string(why)}, {"file", file_.path().string()}});
   UserStops all;
-  all.stop_all({geteuid(), logging::utc(std::chrono::system_clock::now()), 0});
+  all.stop_all({0, logging::utc(std::chrono::system_clock::now()), 0,
+                "the list of stops could not be read"});
   return all;
 }
 
@@ -160,11 +171,15 @@ bool KeptStops::write() {
   return done.has_value();
 }
 
-/// Where nobody ever stopped anything there is no file.
-Status KeptStops::put(const UserStops& list) const {
+/// Where nobody ever stopped anything there is no file, so damage to it stops nothing.
+Status KeptStops::put(const UserStops& list) {
   std::error_code ignored;
-  const bool there = std::filesystem::exists(std::filesystem::symlink_status(file_, ignored));
-  return there || !is_empty(list) ? replace_file(file_, text_of(list)) : ok();
+  const auto there = std::filesystem::symlink_status(file_.path(), ignored);
+  if (std::filesystem::exists(there) || !is_empty(list)) {
+    return file_.replace(text_of(list));
+  }
+  file_.prepare();
+  return ok();
 }
 
 }  // namespace mauve::daemon

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The stops of users, in a small file of their own in the state directory. It is written before
-/// all that waits for the disk, so an answered stop outlives a crash at any moment.
+/// all that waits for the disk, so an answered stop outlives a crash at any moment, also when the
+/// process has no free descriptor.
 #pragma once
 
 #include <filesystem>
@@ -14,6 +15,7 @@
 #include "base/mutex.h"
 #include "log/log.h"
 #include "mauve/host/user_stops.h"
+#include "state/stops/kept_file.h"
 
 namespace mauve::daemon {
 
@@ -45,9 +47,9 @@ class KeptStops {
   };
 
   [[nodiscard]] UserStops list() const MAUVE_REQUIRES(mutex_);
-  [[nodiscard]] Status put(const UserStops& list) const;
+  Status put(const UserStops& list);
 
-  const std::filesystem::path file_;
+  KeptFile file_;
   logging::Log& log_;
   mutable Mutex mutex_;  ///< guards the members below
   UserStops now_ MAUVE_GUARDED_BY(mutex_);

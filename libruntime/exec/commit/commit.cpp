@@ -81,6 +81,17 @@ Status check_fit_again(System& system, const PreparedChange::Content& content) {
                 "try again; `logs` and `history` show what came between");
 }
 
+/// A rollback of the change must find these stops, so they do not wait for its end.
+void begin_stops(System& system, PreparedChange::Content& content) {
+  MAUVE_ON_THREAD(control);
+  for (const std::string& name : content.stops) {
+    if (system.may_run(name)) content.newly_stopped.push_back(name);
+    system.stops.stop(name, content.stopped_by);
+  }
+  content.last_stop = system.stops.newest();
+  system.obey_stops();
+}
+
 /// A component that a user has stopped starts only if a user names it.
 void leave_stopped(System& system, PreparedChange::Content& content) {
   MAUVE_ON_THREAD(control);
@@ -106,6 +117,7 @@ Commit::Commit(System& system, Content content, TwoPhaseCommit::Kind kind, Durat
     rollback_ = std::make_shared<Rollback>(content_->probation->only_undo);
     back_number_ = ++system_.changes;
   }
+  begin_stops(system_, *content_);
   leave_stopped(system_, *content_);
   hold_members();
   if (barrier_ == nullptr) {
@@ -117,6 +129,7 @@ Commit::Commit(System& system, Content content, TwoPhaseCommit::Kind kind, Durat
 
 /// Ends the commit with an error: nothing has changed, and nothing will.
 void Commit::refuse_all(Error error) {
+  take_back_stops(system_, *content_);
   let_go_new();
   heritage_.let_go();
   result_ = std::move(error);

@@ -134,6 +134,7 @@ void Commit::conclude() {
                                 swapped.state == SwapResult::State::revoked ||
                                 swapped.state == SwapResult::State::overtaken;
   if (nothing_happened) {
+    take_back_stops(system_, *content_);
     result_ = not_applied(late_jobs_->reason(silent()));
     for (const auto& before : before_) before->give_way_to(nullptr);
     heritage_.let_go();
@@ -195,6 +196,7 @@ void Commit::overtake_before() {
 /// Some member hangs in its job, or its state was not converted: those that have changed go back,
 /// so that there is no mixture.
 void Commit::trigger_rollback() {
+  take_back_stops(system_, *content_);
   const bool quietly =
       rollback_->trigger(system_.runner->clock(), "some member did not end its job in time");
   if (!quietly) ++system_.generation;  // a core failed meanwhile, which is reported

@@ -96,8 +96,12 @@ Result<std::shared_ptr<Ongoing>> begin_stop(System& system,
   Stages stages(1);
   for (const std::string& name : components) {
     const Result<ComponentBase*> component = system.component(name);
-    if (!component) return component.error();
-    if (system.up) stages.front().push_back(system.find(name));
+    if (!component && !system.is_away(name)) return component.error();
+    if (!system.up) continue;
+    for (Deployed& one : system.deployed) {
+      const bool meant = one.component != nullptr && one.task->name() == name;
+      if (meant) stages.front().push_back(&one);  // also one that a rollback brings back
+    }
   }
   for (const std::string& name : components) system.stops.stop(name, by);
   system.obey_stops();

@@ -91,6 +91,8 @@ class Preparation {
     content_->probation = change_.probation;
     content_->changes_rules = change_.changes_rules;
     content_->ends_stops = change_.ends_stops;
+    content_->stops = change_.stops;
+    content_->stopped_by = change_.stopped_by;
     content_->in_place = !configure;
     if (change_.sync == Sync::barrier) content_->barrier.emplace();
     for (const auto step : {&Preparation::let_leave, &Preparation::let_resources_join,

@@ -215,6 +215,7 @@ OpenProbation ProbationPeriod::look() const {
     const PreparedMember& member = content_->members[i];
     const Origin& origin = members_[i].origin;
     once(open.components, member.component->name());
+    if (member.part == Part::leaves) once(open.removed, member.component->name());
     note_one_way(member.component->name(), *member.next->core, *origin.bundle->core, origin.state,
                  open.notes);
   }

@@ -25,6 +25,12 @@ bool stays_stopped(const System& system, const PreparedChange::Content& change,
          !system.may_run(member.component->name());
 }
 
+void take_back_stops(System& system, const PreparedChange::Content& change) {
+  MAUVE_ON_THREAD(control);
+  for (const std::string& name : change.newly_stopped) system.stops.start(name, change.last_stop);
+  system.obey_stops();
+}
+
 Error being_rolled_back(std::uint64_t generation) {
   return refuse({Errc::conflict, "rollback_under_way"}, "generation " + std::to_string(generation),
                 "is being rolled back", "try again when it is over: see the log");

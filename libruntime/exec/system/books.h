@@ -29,6 +29,9 @@ namespace mauve::exec {
 [[nodiscard]] bool stays_stopped(const System& system, const PreparedChange::Content& change,
                                  const PreparedMember& member);
 
+/// The change is not put in force: its stops end where none stood before. [control]
+void take_back_stops(System& system, const PreparedChange::Content& change);
+
 [[nodiscard]] Error being_rolled_back(std::uint64_t generation);
 
 /// The elements of `old` that `now` does not use, in the order of dependency.

@@ -122,8 +122,12 @@ class PreparedChange::Content {
   std::optional<Probation> probation;
   bool changes_rules = false;  ///< see Change
   bool ends_stops = false;     ///< see Change
-  bool in_place = false;       ///< elements in force are cleaned up before those that come are used
-  bool step = false;           ///< of a change whose last step makes the generation
+  std::vector<std::string> stops = {};
+  UserStop stopped_by = {};
+  std::vector<std::string> newly_stopped = {};  ///< of `stops`, against which no stop stood before
+  std::uint64_t last_stop = 0;                  ///< the number of the last one of `stops`
+  bool in_place = false;  ///< elements in force are cleaned up before those that come are used
+  bool step = false;      ///< of a change whose last step makes the generation
   std::vector<NewFallback> fallbacks;
   std::optional<exec::PreparedBarrier> barrier;  ///< none: the cut
   std::vector<std::string> warnings;             ///< for the receipt

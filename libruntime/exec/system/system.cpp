@@ -59,6 +59,12 @@ Deployed* System::find(const ComponentBase& component) {
   return nullptr;
 }
 
+bool System::is_away(std::string_view component) const {
+  return std::any_of(deployed.begin(), deployed.end(), [component](const Deployed& one) {
+    return one.hidden && one.component != nullptr && one.task->name() == component;
+  });
+}
+
 /// Also the tasks of components that left with a change on probation, and may come back.
 void System::obey_stops() {
   MAUVE_ON_THREAD(control);

@@ -118,6 +118,8 @@ class System {
   [[nodiscard]] Deployed* find(std::string_view component);
   /// Also one that is hidden.
   [[nodiscard]] Deployed* find(const ComponentBase& component);
+  /// A rollback may bring back a component of this name, or a change under way brings one.
+  [[nodiscard]] bool is_away(std::string_view component) const;
   /// No stop by a user stands. [control]
   [[nodiscard]] bool may_run(std::string_view component) const {
     return stops.of(component) == nullptr;

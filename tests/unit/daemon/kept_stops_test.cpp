@@ -65,6 +65,34 @@ TEST_F(KeptStopsTest, NeedNoFileWhereNobodyStoppedAnything) {
   EXPECT_FALSE(stands("arm"));
 }
 
+TEST_F(KeptStopsTest, NameTheCauseAndNoUserWhereMauvedItselfStopped) {
+  now.stop_all({0, kBy.time, 0, "the guardian is gone"});
+  kept.keep(now);
+  EXPECT_TRUE(kept.write());
+  ASSERT_TRUE(stands("arm"));
+  EXPECT_EQ(next_run().of("arm")->cause, "the guardian is gone");
+  EXPECT_EQ(in_words(*next_run().of("arm")),
+            std::string("mauved stopped it at ") + kBy.time + ": the guardian is gone");
+}
+
+/// The names of both files change places with each write.
+TEST_F(KeptStopsTest, AreWrittenManyTimesAndAlsoOverAFileThatSomebodyPutThere) {
+  for (int i = 0; i < 5; ++i) {
+    now.stop("arm" + std::to_string(i), kBy);
+    kept.keep(now);
+    ASSERT_TRUE(kept.write());
+    EXPECT_EQ(next_run().named().size(), now.named().size());
+    if (i == 2) {
+      std::filesystem::remove(file());
+    }
+    if (i == 3) {
+      std::filesystem::remove(file().string() + ".new");
+      std::filesystem::copy_file(file(), file().string() + ".other");
+      std::filesystem::rename(file().string() + ".other", file());
+    }
+  }
+}
+
 /// Nobody knows what was stopped, so nothing runs.
 TEST_F(KeptStopsTest, StopAllWhenTheirFileIsDamaged) {
   now.stop("arm", kBy);
@@ -78,6 +106,7 @@ TEST_F(KeptStopsTest, StopAllWhenTheirFileIsDamaged) {
                                  "{\"components\":[]}",
                                  R"({"components":{"arm":{}}})",
                                  R"({"components":{"arm":{"uid":"x","time":"y"}}})",
+                                 R"({"components":{"arm":{"cause":"","time":"y"}}})",
                                  R"({"all":1,"components":{}})",
                                  R"({"all":{"uid":1,"time":"t"},"components":{}})",
                                  R"({"all":{"uid":1,"time":"t"},"started":[1],"components":{}})"};

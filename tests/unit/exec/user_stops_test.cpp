@@ -310,6 +310,71 @@ TEST_F(StopOfAll, StandsAgainstTheReturnOfAComponentThatAChangeRemoved) {
   EXPECT_GT(jobs_of("left"), 0u);
 }
 
+class StopOfOne : public StopOfAll {
+ protected:
+  /// A user stops `left` by a step of this change.
+  static Change stops_left(double step) {
+    Edit edit;
+    edit.member = "right";
+    edit.properties.emplace_back("core.step", Value(step));
+    Edit park;
+    park.member = "left";
+    park.mode = Mode::park;
+    Change change{{std::move(edit), std::move(park)}};
+    change.probation = Probation{};
+    change.stops = {"left"};
+    return change;
+  }
+};
+
+TEST_F(StopOfOne, StandsAgainstTheReturnOfAComponentThatAChangeRemoved) {
+  Change change;
+  change.remove = {"left"};
+  change.probation = Probation{};
+  ASSERT_TRUE(deployer.apply(change));
+  deployer.run_for(20ms);
+  EXPECT_EQ(deployer.probations().front().removed, std::vector<std::string>{"left"});
+  EXPECT_FALSE(deployer.stop({"nobody"}));
+
+  ASSERT_TRUE(deployer.stop({"left"}));
+  ASSERT_TRUE(deployer.undo());
+  deployer.run_for(20ms);
+  static_cast<void>(test::tend(deployer));
+
+  EXPECT_EQ(deployer.status("left").state, ComponentState::stopped);
+  EXPECT_EQ(jobs_of("left"), 0u);
+  ASSERT_TRUE(deployer.start({"left"}));
+  EXPECT_GT(jobs_of("left"), 0u);
+}
+
+TEST_F(StopOfOne, InAChangeStandsAgainstItsUndo) {
+  ASSERT_TRUE(deployer.apply(stops_left(2.0)));
+  deployer.run_for(20ms);
+  ASSERT_TRUE(deployer.undo());
+  deployer.run_for(20ms);
+  static_cast<void>(test::tend(deployer));
+  EXPECT_FALSE(deployer.on_probation());
+  EXPECT_EQ(jobs_of("left"), 0u);
+  ASSERT_TRUE(deployer.start({"left"}));
+  EXPECT_GT(jobs_of("left"), 0u);
+}
+
+/// It was prepared from the system before a rollback, and the other component has left since.
+TEST_F(StopOfOne, InAChangeThatIsRefusedEndsWithIt) {
+  const auto change = stops_left(2.0);
+  auto prepared = deployer.prepare(change);
+  ASSERT_TRUE(prepared);
+  Change removal;
+  removal.remove = {"right"};
+  ASSERT_TRUE(deployer.apply(removal));
+  const auto refused = deployer.wait(*deployer.begin(*prepared));
+  EXPECT_FALSE(refused);
+  EXPECT_GT(jobs_of("left"), 0u);
+  ASSERT_TRUE(deployer.stop({"left"}));
+  ASSERT_TRUE(deployer.start({"left"}));
+  EXPECT_GT(jobs_of("left"), 0u);
+}
+
 TEST_F(StopOfAll, StandsAgainstAComponentThatJoinsLater) {
   ASSERT_TRUE(deployer.stop_all());
   ASSERT_TRUE(deployer.start({"left", "right"}));

@@ -14,6 +14,7 @@
 #include <mauve/host/change_policy.h>
 #include <mauve/host/component.h>
 #include <mauve/host/probation.h>
+#include <mauve/host/user_stops.h>
 #include <mauve/host/value.h>
 #include <mauve/result.h>
 #include <mauve/time.h>
@@ -92,6 +93,10 @@ struct Change {
   /// A user names the components that it starts: their stops end when it is in force. Else a
   /// component that a user has stopped stays stopped, whatever `mode` says.
   bool ends_stops = false;
+  /// Components that a user stops with the change, also if they stand already. These stops stand
+  /// from the begin of the change on (see UserStops), unless it is not put in force.
+  std::vector<std::string> stops = {};
+  UserStop stopped_by = {};  ///< of `stops`
   /// The generation that the change was made from: prepare() refuses the change when another one is
   /// in force, for example after a rollback. None: made from the change alone.
   std::optional<std::uint64_t> made_from = {};

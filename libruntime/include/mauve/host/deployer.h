@@ -137,7 +137,8 @@ class Deployer {
   /// written on its behalf, and parks as soon as it does: Errc::partly. From the call on nothing
   /// starts them but start(), or a change that ends stops: see UserStops.
   Result<Receipt> stop(const std::vector<std::string>& components);
-  /// As stop(), in steps: see Ongoing.
+  /// As stop(), in steps: see Ongoing. Also of a component that a rollback may bring back, see
+  /// OpenProbation::removed.
   Result<std::shared_ptr<Ongoing>> begin_stop(const std::vector<std::string>& components,
                                               const UserStop& by = {});
   /// Stops all components, writers of safe values before their readers, so that a driver still acts

@@ -42,6 +42,7 @@ struct OpenProbation {
   bool rolls_back = false;                 ///< a failure, or undo(), has triggered the rollback
   std::uint64_t jobs_left = 0;             ///< of the member that has run the fewest
   std::vector<std::string> notes = {};     ///< states that the rollback cannot bring back
+  std::vector<std::string> removed = {};   ///< components that the rollback brings back
 };
 
 }  // namespace mauve

@@ -12,11 +12,12 @@
 
 namespace mauve {
 
-/// A stop that a user asked for.
+/// A stop that a user asked for, or that only a user ends.
 struct UserStop {
   std::uint32_t uid = 0;     ///< of the user
   std::string time = {};     ///< UTC, in the words of the caller
   std::uint64_t number = 0;  ///< in the order of all stops, from 1 on; the list gives it
+  std::string cause = {};    ///< no user asked for it, but the host for this cause; empty: a user
 };
 
 /// The stops that stand. A component of which one stands does not run, also if it joins or comes
