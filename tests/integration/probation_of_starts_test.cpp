@@ -60,5 +60,19 @@ TEST(ProbationOfStarts, IsRefusedForAChangeThatOnlyStartsAndNeverForAStop) {
   EXPECT_EQ(daemon.component("first")["state"], "stopped");
 }
 
+TEST(ProbationOfStarts, IsRefusedForAReloadOfAPluginThatNothingUses) {
+  TrialDaemon daemon;
+  std::filesystem::copy_file(std::filesystem::path(MAUVE_PLUGIN_DIR) / "types.so",
+                             daemon.plugins() / "types.so");
+  ASSERT_EQ(daemon.ask("plugin.load", {{"plugin", "types"}})["loaded"], true);
+  const Json reload = {{"plugin", "types"}, {"confirm_within", "1h"}};
+
+  const auto refused = daemon.ask("plugin.reload", reload);
+
+  EXPECT_EQ(refused["data"]["id"], "nothing_to_try") << refused;
+  EXPECT_EQ(refused["data"]["state"], "unchanged");
+  EXPECT_EQ(daemon.ask("plugin.reload", {{"plugin", "types"}})["state"], "applied");
+}
+
 }  // namespace
 }  // namespace mauve::test

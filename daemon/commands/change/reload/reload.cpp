@@ -311,10 +311,17 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
               return reload_in_place(running, call, ticket, reload->name,
                                      std::move(reload->change));
             }
+            auto allowed = check_abandoned_in(running, reload->change);
             if (!reload->change.edits.empty()) {
               reload->change.probation = probation;
+            } else if (allowed) {
+              allowed =
+                  ask_for_no_probation(call->params,
+                                       "nothing that runs comes from " + reload->name +
+                                           ", so there is nothing to try out or to take back",
+                                       "put the former file in place and reload it to go back");
             }
-            if (auto allowed = check_abandoned_in(running, reload->change); !allowed) {
+            if (!allowed) {
               return answer(running, *call, allowed.error());
             }
             reload_in_factory(running, call, reload, ticket);
