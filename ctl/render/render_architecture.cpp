@@ -14,7 +14,7 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 
 // The order of the examples: type, members, connections, task.
-constexpr std::array<std::string_view, 47> kOrder{
+constexpr std::array<std::string_view, 48> kOrder{
     "$schema",       "schema",    "name",         "plugins",       "resources",   "components",
     "transactions",  "rules",     "when",         "for",           "until",       "do",
     "disconnect",    "connect",   "swap",         "set",           "to",          "type",
@@ -22,7 +22,7 @@ constexpr std::array<std::string_view, 47> kOrder{
     "properties",    "ports",     "lock_budget",  "task",          "may_request", "priority",
     "cpus",          "offset",    "deadline",     "budget",        "stack",       "on_overrun",
     "overrun_limit", "on_fault",  "watchdog",     "restart",       "per",         "back_off",
-    "max_age",       "state",     "when_unknown", "cool_down",     "per_hour"};
+    "max_age",       "state",     "when_unknown", "cool_down",     "per_hour",    "lost"};
 
 std::size_t rank(const std::string& key) {
   const auto found = std::find(kOrder.begin(), kOrder.end(), key);

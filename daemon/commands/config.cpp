@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// config.get: the running system as a file. config.check: everything wrong with another one.
+#include "arch/build/lost_names.h"
 #include "arch/compare/describe.h"
 #include "arch/text/value_json.h"
 #include "commands/answer.h"
@@ -10,8 +11,9 @@
 namespace mauve::daemon {
 
 Value described(const Running& running) {
-  return arch::describe(running.architecture, running.catalog, parked_now(running),
-                        running.supervisor.supervision());
+  const auto& supervision = running.supervisor.supervision();
+  return arch::describe(running.architecture, running.catalog, parked_now(running), supervision,
+                        arch::lost_of(supervision, running.architecture, running.catalog));
 }
 
 Result<Json> export_architecture(Running& running, const Call& /*call*/) {

@@ -110,6 +110,40 @@ TEST_F(Startable, IsASystemWhoseTransactionsKeepThePluginsThatTheyName) {
   expect_the_same_after_a_crash(daemon);
 }
 
+/// As a user takes the system to another machine, or keeps it beside the state directory.
+TEST_F(Startable, IsTheExportedFileOfASystemThatLacksANameWithNoOtherNameMissing) {
+  for (const auto& names : kNames) {
+    TrialDaemon daemon(with_names(names), options());
+    ASSERT_FALSE(exported(daemon).contains("lost")) << "nothing is missing";
+    ASSERT_EQ(daemon.ask("core.swap", {{"component", "first"},
+                                       {"core", "trial/steady"},
+                                       {"probation", "off"}})["saved"],
+              true);
+    const auto file = exported(daemon);
+    EXPECT_EQ(file["lost"], Json::array({"first.core.uses"})) << names;
+    EXPECT_EQ(daemon.ask("config.check", {{"text", file.dump()}})["errors"], Json::array());
+
+    auto slip = file;
+    slip["rules"].push_back({{"name", "slip"},
+                             {"when", "first.core.used > 1h"},
+                             {"do", Json::array({{{"stop", "second"}}})}});
+    const auto refused = daemon.ask("config.check", {{"text", slip.dump()}})["errors"];
+    ASSERT_EQ(refused.size(), 1U) << refused;
+    EXPECT_THAT(refused[0].dump(), HasSubstr("rules.slip.when"));
+    auto needless = file;
+    needless["lost"].push_back("first.core.gain");
+    EXPECT_THAT(daemon.ask("config.check", {{"text", needless.dump()}})["errors"].dump(),
+                HasSubstr("names \\\"first.core.gain\\\""));
+
+    daemon.place().write("trial.json", file.dump());
+    daemon.process().signal(SIGTERM);
+    ASSERT_EQ(daemon.process().wait(), 0);
+    daemon.start({"--fresh"});
+    EXPECT_EQ(exported(daemon), file) << daemon.errors();
+    std::filesystem::remove_all(state());
+  }
+}
+
 TEST_F(Startable, IsNoFileWithASlipOfThePenInARule) {
   TrialDaemon daemon(kTrial, options());
   auto file = exported(daemon);

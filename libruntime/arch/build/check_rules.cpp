@@ -102,7 +102,7 @@ class Checker {
       const std::string& address = comparison.address;
       if (was_refused(spec_, architecture_, address.substr(0, address.find('.')))) continue;
       const Status good = check_comparison(architecture_, comparison);
-      if (good) continue;
+      if (good || is_lost(spec_, address)) continue;
       problems_.add(condition.where, reason_of(good.error()), at,
                     address + " (at character " + std::to_string(comparison.place) +
                         "): " + good.error().message,

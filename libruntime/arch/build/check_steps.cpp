@@ -125,7 +125,29 @@ bool contradict(const Step& a, const Step& b) {
   return a.subject == b.subject && (a.action == b.action || (runs(a) && runs(b)));
 }
 
+/// Is the error about the service or the core of the step?
+bool is_of_object(const Error& error, const Step& step) {
+  return error.at != step.subject &&
+         (step.action == Action::connect || step.action == Action::swap);
+}
+
 }  // namespace
+
+bool is_lost(const Spec& spec, std::string_view name) {
+  return std::ranges::find(spec.lost, name, &PlacedText::value) != spec.lost.end();
+}
+
+std::string name_lost_by(const Step& step, const rules::Steps& steps,
+                         const Architecture& architecture, const plugin::Catalog& catalog) {
+  const auto puts_core = [&step](const Step& other) {
+    return other.action == Action::swap && other.subject == rules::element_of(step);
+  };
+  if (step.action == Action::set && std::ranges::any_of(steps, puts_core)) return {};
+  const Spec none;
+  const Status good = check({}, {none, architecture, catalog}, step);
+  if (good) return {};
+  return is_of_object(good.error(), step) ? step.object : step.subject;
+}
 
 bool was_refused(const Spec& spec, const Architecture& architecture, std::string_view element) {
   const auto named = [&](const ElementSpec& one) { return one.name == element; };
@@ -162,7 +184,8 @@ void check_steps(const TransactionSpec& transaction, const std::string& at, cons
     const Status good = check(transaction, built, step);
     if (good) continue;
     const Error& error = good.error();
-    const bool of_object = error.at != step.subject && step.action != Action::set;
+    const bool of_object = is_of_object(error, step);
+    if (is_lost(built.spec, of_object ? step.object : step.subject)) continue;
     problems.add(of_object ? spec->object_where : spec->where, reason_of(error), at,
                  error.at + ": " + error.message, error.hint);
   }

@@ -143,4 +143,25 @@ Notes lost_names(const rules::Supervision& supervision, const Architecture& arch
   return notes;
 }
 
+std::vector<std::string> lost_of(const rules::Supervision& supervision,
+                                 const Architecture& architecture, const plugin::Catalog& catalog) {
+  std::vector<std::string> lost;
+  const auto add = [&lost](std::string name) {
+    if (!name.empty() && std::ranges::find(lost, name) == lost.end()) {
+      lost.push_back(std::move(name));
+    }
+  };
+  const auto add_each = [&](const Steps& steps) {
+    for (const Step& step : steps) add(name_lost_by(step, steps, architecture, catalog));
+  };
+  for (const auto& [name, steps] : supervision.transactions) add_each(steps);
+  for (const Rule& rule : supervision.rules) {
+    each_comparison(rule, [&](const rules::Comparison& comparison) {
+      if (!check_comparison(architecture, comparison)) add(comparison.address);
+    });
+    add_each(rule.steps);
+  }
+  return lost;
+}
+
 }  // namespace mauve::arch

@@ -37,4 +37,10 @@ using NextCore = std::function<const CoreBase*(std::string_view component)>;
                                                    const Architecture& architecture,
                                                    const plugin::Catalog& catalog);
 
+/// The entries of "lost" in the file of this system: the names for which a start would refuse its
+/// rules and transactions, each once. Runs no code of plugins. [control]
+[[nodiscard]] std::vector<std::string> lost_of(const rules::Supervision& supervision,
+                                               const Architecture& architecture,
+                                               const plugin::Catalog& catalog);
+
 }  // namespace mauve::arch

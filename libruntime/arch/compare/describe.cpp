@@ -164,7 +164,8 @@ Value describe_fallback(const std::optional<ComponentBase::Fallback>& fallback) 
 }
 
 Value describe(const Architecture& architecture, const plugin::Catalog& catalog,
-               const Parked& parked, const rules::Supervision& supervision) {
+               const Parked& parked, const rules::Supervision& supervision,
+               const std::vector<std::string>& lost) {
   Value::Object resources;
   for (const ResourceBase* resource : architecture.resources()) {
     resources.emplace_back(resource->name(), describe(*resource));
@@ -182,6 +183,7 @@ Value describe(const Architecture& architecture, const plugin::Catalog& catalog,
                      {"components", std::move(components)}};
   add_unless_empty(file, "transactions", describe_transactions(supervision));
   add_unless_empty(file, "rules", describe_rules(supervision));
+  add_unless_empty(file, "lost", Value::Array(lost.begin(), lost.end()));
   return file;
 }
 

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -40,8 +41,9 @@ using Parked = std::function<bool(const ComponentBase&)>;
 /// The architecture as its file would be written: a key with its default value is left out. Reading
 /// the result (parse, build) gives the same system: elements, cores, state machines, property
 /// values, connections, task attributes and supervision. Without `parked`, the task attribute
-/// `start` decides. [control]
+/// `start` decides. `lost`: see lost_of(). [control]
 [[nodiscard]] Value describe(const Architecture& architecture, const plugin::Catalog& catalog,
-                             const Parked& parked = {}, const rules::Supervision& supervision = {});
+                             const Parked& parked = {}, const rules::Supervision& supervision = {},
+                             const std::vector<std::string>& lost = {});
 
 }  // namespace mauve::arch

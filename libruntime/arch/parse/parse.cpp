@@ -120,6 +120,40 @@ void read_plugins(const Source& source, std::vector<PlacedText>& plugins) {
   });
 }
 
+void read_lost(const Source& source, std::vector<PlacedText>& lost) {
+  read_items(source, [&](const Source& item) {
+    if (auto text = read_text(item)) lost.push_back({*std::move(text), item.node.where});
+  });
+}
+
+bool names(const TransactionSpec& transaction, const std::string& lost) {
+  return std::ranges::any_of(transaction.steps, [&](const StepSpec& one) {
+    return one.step.subject == lost || one.step.object == lost;
+  });
+}
+
+bool names(const std::optional<ConditionSpec>& condition, const std::string& lost) {
+  return condition && std::ranges::any_of(condition->value.comparisons(),
+                                          [&](const auto& one) { return one.address == lost; });
+}
+
+// Such an entry would permit a slip of the pen later.
+void refuse_unnamed_lost(const Source& source, const Spec& spec) {
+  for (const PlacedText& lost : spec.lost) {
+    const bool named =
+        std::ranges::any_of(spec.transactions,
+                            [&](const auto& one) { return names(one, lost.value); }) ||
+        std::ranges::any_of(spec.rules, [&](const RuleSpec& rule) {
+          return names(rule.when, lost.value) || names(rule.until, lost.value) ||
+                 names(rule.steps, lost.value);
+        });
+    if (named) continue;
+    source.problems.add(lost.where, {Errc::invalid_value, "file_key_without_meaning"}, "lost",
+                        "no rule and no transaction names \"" + lost.value + "\"",
+                        "remove this entry");
+  }
+}
+
 void read_schema(const Source& source) {
   const auto text = read_text(source);
   if (text && *text != kSchema) {
@@ -162,7 +196,9 @@ std::optional<Spec> parse(std::string_view text, Problems& problems) {
        {"resources", read_elements(spec.resources, read_resource)},
        {"components", read_elements(spec.components, read_component)},
        {"transactions", [&](const Source& value) { read_transactions(value, spec.transactions); }},
-       {"rules", [&](const Source& value) { read_rules(value, spec.rules); }}});
+       {"rules", [&](const Source& value) { read_rules(value, spec.rules); }},
+       {"lost", [&](const Source& value) { read_lost(value, spec.lost); }}});
+  refuse_unnamed_lost(root, spec);
   if (members == nullptr) return std::nullopt;
   require_key(root, *members, "schema", "\"schema\": \"mauve/architecture/1\"");
   require_key(root, *members, "name", "\"name\": \"rover\"");

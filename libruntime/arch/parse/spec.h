@@ -134,6 +134,9 @@ struct Spec {
   std::vector<ComponentSpec> components;
   std::vector<TransactionSpec> transactions;
   std::vector<RuleSpec> rules;
+  /// Addresses and cores that `transactions` and `rules` may name although the system lacks them: a
+  /// change of the system that was exported took them away.
+  std::vector<PlacedText> lost;
 };
 
 }  // namespace mauve::arch
