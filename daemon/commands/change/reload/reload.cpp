@@ -302,30 +302,29 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
   }
   Question question{arch::to_json_text(described(running))};
   question.loads = true;
-  try_out(running, call, question, reload->name,
-          [&running, call, reload, policy = *policy, probation = *probation,
-           ticket = std::move(ticket)] {
-            reload->change = members_of(running, reload->name, policy);
-            reload->change.made_from = running.deployer.generation();
-            if (flag(call->params, "in_place")) {
-              return reload_in_place(running, call, ticket, reload->name,
-                                     std::move(reload->change));
-            }
-            auto allowed = check_abandoned_in(running, reload->change);
-            if (!reload->change.edits.empty()) {
-              reload->change.probation = probation;
-            } else if (allowed) {
-              allowed =
-                  ask_for_no_probation(call->params,
-                                       "nothing that runs comes from " + reload->name +
-                                           ", so there is nothing to try out or to take back",
-                                       "put the former file in place and reload it to go back");
-            }
-            if (!allowed) {
-              return answer(running, *call, allowed.error());
-            }
-            reload_in_factory(running, call, reload, ticket);
-          });
+  try_out(
+      running, call, question, reload->name,
+      [&running, call, reload, policy = *policy, probation = *probation,
+       ticket = std::move(ticket)] {
+        reload->change = members_of(running, reload->name, policy);
+        reload->change.made_from = running.deployer.generation();
+        if (flag(call->params, "in_place")) {
+          return reload_in_place(running, call, ticket, reload->name, std::move(reload->change));
+        }
+        auto allowed = check_abandoned_in(running, reload->change);
+        if (!reload->change.edits.empty()) {
+          reload->change.probation = probation;
+        } else if (allowed) {
+          allowed = ask_for_no_probation(call->params,
+                                         "nothing that runs comes from " + reload->name +
+                                             ", so there is nothing to try out or to take back",
+                                         "put the former file in place and reload it to go back");
+        }
+        if (!allowed) {
+          return answer(running, *call, allowed.error());
+        }
+        reload_in_factory(running, call, reload, ticket);
+      });
 }
 
 }  // namespace mauve::daemon
