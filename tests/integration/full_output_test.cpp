@@ -38,7 +38,8 @@ TEST(FullOutput, IsAnErrorOfEachCommandThatPrints) {
 TEST(FullOutput, IsAnErrorOfEachProgram) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "NOT TESTED: there is no /dev/full";
   const TempDir place;
-  const std::string file = place.write("empty.json", R"({"schema": "mauve/architecture/1", "name": "empty"})");
+  const std::string file =
+      place.write("empty.json", R"({"schema": "mauve/architecture/1", "name": "empty"})");
   for (const std::string& command :
        {std::string("mauved --help"), std::string("mauved --version"), "mauved --check " + file,
         std::string("mauve-guardian --help"), std::string("mauve-stamp --help")}) {
