@@ -4,7 +4,6 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <charconv>
 #include <csignal>
 #include <cstdlib>
@@ -95,7 +94,7 @@ void LastRun::read(bool generations_are_kept) {
   const auto machine = text.substr(kMachine.size(), started - kMachine.size());
   const bool ran_on = !machine.empty() && machine == run_of_the_machine();
   if (ran_on && trusted(fault_, log_)) {
-    crashed_generation_ = std::max(began_with_, number_after(kRuns, text));
+    crashed_generation_ = began_with_;
   }
 }
 

@@ -203,16 +203,6 @@ TEST_F(StateStoreTest, CountsACrashOnceAndOnlySoonAfterTheStart) {
   EXPECT_EQ(store->last_run().crashed_generation(), 0U);
 }
 
-TEST_F(StateStoreTest, CountsACrashForTheGenerationThatRan) {
-  store->last_run().try_generation(0);
-  store->begin(with_number(1), named("a"));
-  ASSERT_TRUE(keep(with_number(2), "b"));
-  static_cast<void>(dir.write("state/fault", ""));
-  open();
-  EXPECT_EQ(store->last_run().crashed_generation(), 2U);
-  EXPECT_EQ(store->last_run().began_with(), 1U);
-}
-
 TEST_F(StateStoreTest, DropsWhatEarlierRecoveriesDidNotConfirm) {
   for (std::uint64_t number = 1; number <= 3; ++number) {
     auto about = with_number(number);
