@@ -136,8 +136,9 @@ TEST_F(Abandoned, EndsInBoundedTimeWithAnAbandonedThread) {
   EXPECT_EQ(daemon_->process().wait(), 1) << "a thread was abandoned";
   EXPECT_THAT(daemon_->errors(), testing::Not(HasSubstr("without waiting any longer")));
   EXPECT_TRUE(daemon_->says("first.core on_configure did not return in time")) << daemon_->errors();
-  EXPECT_TRUE(daemon_->says("ends with code 1, since threads did not come back: the hook "
-                            "first.core on_configure"))
+  EXPECT_TRUE(
+      daemon_->says("ends with code 1, since threads did not come back: the hook "
+                    "first.core on_configure"))
       << daemon_->errors();
   EXPECT_TRUE(daemon_->says("info    stopped")) << daemon_->errors();
 }

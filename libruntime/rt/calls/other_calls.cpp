@@ -124,20 +124,22 @@ int prctl(int option, ...) noexcept {
 
 }  // extern "C"
 
+/// Weak: a program that has the C++ library in itself, such as mauvectl, keeps those of the
+/// library.
 namespace std {
 
-terminate_handler set_terminate(terminate_handler handler) noexcept {
+[[gnu::weak]] terminate_handler set_terminate(terminate_handler handler) noexcept {
   refuse_in_body("std::set_terminate", kByException);
   return in_library_set_terminate.find()(handler);
 }
 
-new_handler set_new_handler(new_handler handler) noexcept {
+[[gnu::weak]] new_handler set_new_handler(new_handler handler) noexcept {
   refuse_in_body("std::set_new_handler", kByException);
   return in_library_set_new_handler.find()(handler);
 }
 
 /// Refused before the library takes its lock for the locale, under which it calls setlocale().
-locale locale::global(const locale& other) {
+[[gnu::weak]] locale locale::global(const locale& other) {
   refuse_in_body("std::locale::global", MAUVE_WIDE "use imbue()");
   return in_library_locale_global.find()(other);
 }

@@ -33,7 +33,7 @@ PipeDevice*& other_wheels_device() {
 /// Commands a device by each job, though none of its commands is seen here.
 template <PipeDevice*& (*kDevice)()>
 struct WheelsDriver : ramp::Up {
-  Guarded stand{*this, "stand"};
+  mauve::Guarded stand{*this, "stand"};
 
   Status on_configure() override {
     if (Status ready = ramp::Up::on_configure(); !ready) return ready;
