@@ -21,23 +21,13 @@ namespace {
 
 using logging::Event;
 
-// The words in `running`, before " started GENERATION runs GENERATION" where a run has begun. A run
-// that began not long ago writes "machine RUN".
+// The words in `running`, before " started GENERATION" where a run has begun. A run that began not
+// long ago writes "machine RUN".
 constexpr std::string_view kEnded = "ended";
 constexpr std::string_view kRanLong = "ran long";
 constexpr std::string_view kRefused = "refused after a crash";
 constexpr std::string_view kMachine = "machine ";
 constexpr std::string_view kStarted = " started ";
-constexpr std::string_view kRuns = " runs ";
-
-/// The number behind this word; 0: there is none.
-std::uint64_t number_after(std::string_view word, std::string_view text) {
-  std::uint64_t number = 0;
-  if (const auto at = text.rfind(word); at != std::string_view::npos) {
-    std::from_chars(text.data() + at + word.size(), text.data() + text.size(), number);
-  }
-  return number;
-}
 
 /// Another one after each power cut or restart of the machine; empty: not known. A sandbox may hide
 /// the number of the system: then one in the directory that the service manager makes anew.
@@ -87,15 +77,14 @@ void LastRun::read(bool generations_are_kept) {
   if (started == std::string_view::npos) {
     return;
   }
-  began_with_ = number_after(kStarted, text);
+  const auto number = text.substr(started + kStarted.size());
+  std::from_chars(number.data(), number.data() + number.size(), began_with_);
   if (!text.starts_with(kMachine)) {
     return;
   }
   const auto machine = text.substr(kMachine.size(), started - kMachine.size());
   const bool ran_on = !machine.empty() && machine == run_of_the_machine();
-  if (ran_on && trusted(fault_, log_)) {
-    crashed_generation_ = began_with_;
-  }
+  crashed_generation_ = ran_on && trusted(fault_, log_) ? began_with_ : 0;
 }
 
 void LastRun::try_generation(std::uint64_t generation) {
@@ -127,33 +116,19 @@ void LastRun::mark_failures() {
 }
 
 void LastRun::started(std::uint64_t generation) {
-  words_ = std::string(kMachine) + run_of_the_machine();
-  started_ = runs_ = generation;
-  put_run();
+  started_ = generation;
+  put(std::string(kMachine) + run_of_the_machine(), generation);
 }
 
-void LastRun::goes_on(std::uint64_t generation) {
-  runs_ = generation;
-  put_run();
-}
-
-void LastRun::ran_long() {
-  words_ = kRanLong;
-  put_run();
-}
+void LastRun::ran_long() { put(kRanLong, started_); }
 
 void LastRun::refused() {
-  if (!crashed_ && !continues_) {
-    return put(std::string(kEnded));
-  }
-  words_ = kRefused;
-  started_ = runs_ = began_with_;
-  put_run();
+  return crashed_ || continues_ ? put(kRefused, began_with_) : put(kEnded);
 }
 
 void LastRun::ended() {
   ends_by_order();
-  put(std::string(kEnded));
+  put(kEnded);
   std::error_code ignored;
   std::filesystem::remove(file_crashed_, ignored);
 }
@@ -171,13 +146,12 @@ bool LastRun::has_crashed(const std::filesystem::path& architecture) const {
   return !unknown && crashed >= changed;
 }
 
-void LastRun::put_run() {
-  put(words_ + std::string(kStarted) + std::to_string(started_) + std::string(kRuns) +
-      std::to_string(runs_));
+void LastRun::put(std::string_view words, std::uint64_t began_with) {
+  put(std::string(words) + std::string(kStarted) + std::to_string(began_with));
 }
 
-void LastRun::put(const std::string& text) {
-  if (auto put = running_.replace(text + "\n"); !put) {
+void LastRun::put(std::string_view text) {
+  if (auto put = running_.replace(std::string(text) + "\n"); !put) {
     log_.write(Event::generation_not_saved,
                {{"text", to_string(put.error())}, {"file", put.error().at}});
   }

@@ -29,9 +29,9 @@ class LastRun {
   /// [any] The file `continue` is there: this start goes on with the last confirmed generation,
   /// although the run came to its end. An upgrade of the package leaves this file.
   [[nodiscard]] bool continues() const { return continues_; }
-  /// [any] The generation that ran at the end, if the process itself failed soon after its start;
-  /// 0: no such failure. A kill from outside and a power cut leave no file `fault`: they say
-  /// nothing about the generation.
+  /// [any] The generation with which the run had started, if the process itself failed soon after
+  /// its start; 0: no such failure. A kill from outside and a power cut leave no file `fault`: they
+  /// say nothing about the generation.
   [[nodiscard]] std::uint64_t crashed_generation() const { return crashed_generation_; }
   /// [any] The generation that the run, or a start refused after its crash, began with; 0: not
   /// known.
@@ -42,8 +42,6 @@ class LastRun {
   void try_generation(std::uint64_t generation);
   /// From now on an end without ended() or refused() is a crash of this generation. [main]
   void started(std::uint64_t generation);
-  /// This run goes on with this generation. [disk]
-  void goes_on(std::uint64_t generation);
   /// The end of this run would be no crash soon after its start. [disk]
   void ran_long();
   /// This run is refused before it began: the next one starts with the same. [main]
@@ -58,8 +56,8 @@ class LastRun {
 
  private:
   void mark_failures();
-  void put(const std::string& text);
-  void put_run();
+  void put(std::string_view text);
+  void put(std::string_view words, std::uint64_t began_with);
 
   KeptFile running_;
   const std::filesystem::path continue_;
@@ -70,9 +68,7 @@ class LastRun {
   bool continues_ = false;
   std::uint64_t crashed_generation_ = 0;
   std::uint64_t began_with_ = 0;  ///< the run before
-  std::string words_;             ///< of this run: its machine, or that it ran long
   std::uint64_t started_ = 0;     ///< this run
-  std::uint64_t runs_ = 0;        ///< this run at present
   std::atomic<bool> may_fail_{true};
   std::unique_ptr<rt::CrashHandler> crash_handler_;
 };

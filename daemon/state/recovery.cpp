@@ -83,29 +83,24 @@ std::string folder_of(const Generation& one, const Options& options) {
                                                          : folder_of(options.architecture);
 }
 
-/// The crash counts for the newest confirmed generation of the architecture that ran at the end,
-/// with the components stopped that stay stopped. If there is none, and this is the architecture
-/// that the run began with, the file of the command line was started, which is remembered for it. A
-/// change that nobody confirmed is not started again, so nothing counts against it.
-void count_crash(StateStore& store, const Names& stopped, logging::Log& log) {
+/// The crash counts for the newest confirmed generation of the architecture that was started, with
+/// the components stopped that stay stopped. If there is none, the file of the command line was
+/// started, which is remembered for it.
+void count_crash(StateStore& store, std::uint64_t started, const Names& stopped,
+                 logging::Log& log) {
   auto& generations = store.generations();
-  const auto content = [&](std::uint64_t number) {
-    const auto text = generations.text(number);
-    return text ? std::optional(text_with_stopped(*text, stopped)) : std::nullopt;
-  };
-  const auto ran = content(store.last_run().crashed_generation());
+  const auto ran = generations.text(started);
   if (!ran) {
     return;
   }
+  const auto same = text_with_stopped(*ran, stopped);
   const auto all = generations.list();
   auto counts = std::ranges::find_if(all, [&](const Generation& one) {
-    return one.mark == Confirmation::confirmed && content(one.number) == ran;
+    const auto text = generations.text(one.number);
+    return one.mark == Confirmation::confirmed && text && text_with_stopped(*text, stopped) == same;
   });
   if (counts == all.end()) {
-    if (content(store.last_run().began_with()) == ran) {
-      store.last_run().file_crashed();
-    }
-    return;
+    return store.last_run().file_crashed();
   }
   if (auto counted = generations.set_crashes(counts->number, counts->crashes + 1); !counted) {
     log.write(Event::generation_not_saved, {{"text", to_string(counted.error())}});
@@ -201,7 +196,7 @@ Status check_name(const std::string& text, const Options& options, const StateSt
 Result<Origin> what_to_start(const Options& options, StateStore* store, logging::Log& log) {
   const auto last = store != nullptr ? last_system(store->generations()) : LastSystem();
   if (store != nullptr && store->last_run().crashed_generation() != 0) {
-    count_crash(*store, last.stopped, log);
+    count_crash(*store, store->last_run().crashed_generation(), last.stopped, log);
   }
   const bool recovers = store != nullptr &&
                         (store->last_run().crashed() || store->last_run().continues()) &&

@@ -129,9 +129,6 @@ void StateStore::keep(Generation about, Value architecture, Json line,
       about.mark = mark_before(about.number, before_stops);
     }
     bool saved = save(about, architecture) && save_cores() && stops_.write();
-    if (saved) {
-      last_run_.goes_on(about.number);
-    }
     if (saved && as == As::confirmed) {
       saved = mark_now(about.number, Confirmation::confirmed);
     }
