@@ -312,7 +312,8 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::rearm(const TaskUpdate& next, bool was_runni
   }
 }
 
-MAUVE_RUNS_AT_A_SWAP void Boundary::start(const TaskUpdate& next) {
+/// No task that runs is kept waiting for it, so its code is not among that of a swap.
+void Boundary::start(const TaskUpdate& next) {
   const Instant armed = task_.release;
   const Instant base = task_.t0 + next.bundle->task.offset.count();
   const Instant earliest = std::max(next.decision->instant(), task_.clock.now());

@@ -43,9 +43,10 @@ class JobWatch {
   /// The thread calls it first with its Job, and last with null.
   void set_thread_job(Job* job);
   void set(Duration bound, bool has_safe_values);
-  /// Did the guard want the job that began then to end?
+  /// Did the guard want the job that began then to end? A simulated clock begins at instant 0,
+  /// which is also "none": no guard is there.
   [[nodiscard]] bool is_interrupted(Instant since) const {
-    return watched_.interrupt.load() == since;
+    return since != 0 && watched_.interrupt.load() == since;
   }
   [[nodiscard]] rt::Watched& watched() { return watched_; }
   void begin(Instant now) { watched_.busy_since.store(now, std::memory_order_release); }

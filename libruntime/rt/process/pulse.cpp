@@ -32,7 +32,7 @@ Pulse::~Pulse() {
 }
 
 std::vector<Pulse::Silent> Pulse::look(Duration passed) {
-  std::vector<Silent> silent;
+  std::vector<Silent> found;
   auto& list = all();
   const MutexLock lock(list.mutex);
   for (auto* pulse : list.pulses) {
@@ -41,10 +41,10 @@ std::vector<Pulse::Silent> Pulse::look(Duration passed) {
     const bool turned = std::exchange(pulse->seen_, turns) != turns;
     pulse->silent_ = turned ? Duration{0} : pulse->silent_ + std::min(passed, kMostOfALook);
     if (pulse->silent_.count() > bound) {
-      silent.push_back({pulse->name_, pulse->silent_});
+      found.push_back({pulse->name_, pulse->silent_});
     }
   }
-  return silent;
+  return found;
 }
 
 }  // namespace mauve::rt

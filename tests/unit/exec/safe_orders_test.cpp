@@ -109,6 +109,7 @@ class SafeOrdersOfTasks : public testing::Test {
   PipeDevice left_;
   PipeDevice other_;
   rt::GuardedOutputs& outputs_ = rt::GuardedOutputs::of_process();
+  UserStops kept_;  // outlives the deployer
   std::unique_ptr<Architecture> architecture_;
   std::unique_ptr<Deployer> deployer_;
 };
@@ -193,11 +194,10 @@ TEST_F(SafeOrdersOfTasks, GoOutAtAStopAlsoOfWhatStandsAlready) {
 }
 
 TEST_F(SafeOrdersOfTasks, GoOutAtAStartThatLeavesItStopped) {
-  UserStops kept;
-  kept.stop("control", {1000, "yesterday", 0});
+  kept_.stop("control", {1000, "yesterday", 0});
   make<Wheels>();
 
-  deploy(&kept);
+  deploy(&kept_);
 
   EXPECT_TRUE(gets(left_, 2));
   EXPECT_EQ(state(), ComponentState::stopped);
