@@ -348,8 +348,8 @@ void LineThread::wait() {
   if ((both[0].revents & POLLIN) != 0) {
     std::uint64_t rings = 0;
     static_cast<void>(::read(bell_.number(), &rings, sizeof rings));
-  } else if (awaits_end && both[1].revents != 0) {
-    errno = EIO;
+  } else if (lost_ == Lost::looked_for && (both[1].revents & (POLLHUP | POLLERR)) != 0) {
+    errno = EIO;  // a read of a terminal that was hung up returns nothing, and no error
     lose();
   } else if (both[1].revents != 0 && (both[1].revents & POLLOUT) == 0) {
     idle_ = true;  // unless it has something to read

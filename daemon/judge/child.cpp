@@ -18,6 +18,7 @@
 #include "model/job/abandonable_thread.h"
 #include "plugin/load/plugin_file.h"
 #include "rt/process/child.h"
+#include "rt/thread/run_guarded.h"
 
 namespace mauve::daemon {
 
@@ -30,8 +31,10 @@ constexpr std::array kEnds = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTERM,
 /// Its standard error, which a plugin does not get.
 int its_errors = -1;
 
-/// Async-signal-safe enough for a process that is lost: should it hang, the alarm ends it.
+/// Async-signal-safe enough for a process that is lost: should it hang, the alarm ends it. A hook
+/// that it interrupts may not call alarm().
 void say_the_hook() {
+  rt::forget_bodies();
   alarm(kHandlerMayTake);
   const auto* here = AbandonableThread::here();
   const auto hook = here == nullptr ? std::string() : here->hook();

@@ -61,8 +61,10 @@ class Apply : public testing::Test {
 };
 
 TEST_F(Apply, NotesThatItStartsAComponentThatAChangeStopped) {
-  const Json stop = {{"text", R"([{"stop": "second"}])"}};
-  ASSERT_EQ(daemon_.ask("change.apply", stop)["state"], "applied");
+  auto without = Json::parse(kTrial);
+  without["components"]["second"]["start"] = false;  // a file stops it, and no user
+  const Json stop = {{"text", without.dump()}};
+  ASSERT_EQ(daemon_.ask("architecture.apply", stop)["state"], "applied");
 
   const auto plan = ctl("plan", kTrial);
   EXPECT_THAT(plan.out, HasSubstr("note: second will start: it was stopped"));

@@ -28,9 +28,8 @@ class GuardedBase : public testing::Test {
   [[nodiscard]] bool drives() {
     return eventually([&] { return has_driven(); });
   }
-  /// It gets an order to drive from now on. Whoever stands is started: a guardian that gets no
-  /// processor for 60 ms is replaced, and where one is required, all stop until somebody starts
-  /// them.
+  /// It gets an order to drive from now on. Each component that stands is started: a guardian that
+  /// gets no processor for 60 ms is replaced, and where one is required, all components stop then.
   [[nodiscard]] bool drives_when_started() {
     seen_ = base_.bytes().size();
     return eventually([&] {

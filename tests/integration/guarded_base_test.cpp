@@ -135,7 +135,7 @@ TEST_F(GuardedBase, StandsWhenItsDriverLeavesItForAnotherDevice) {
   ASSERT_TRUE(drives()) << daemon_->errors();
   Outlet other;
 
-  ASSERT_EQ(daemon_->client({"set", "base.core.device", other.path()}).wait(), 0)
+  ASSERT_EQ(daemon_->client({"set", "base.core.device=" + other.path()}).wait(), 0)
       << daemon_->errors();
 
   EXPECT_TRUE(stands());

@@ -23,6 +23,7 @@ class Outlet {
     if (openpty(&near_, &far_, name.data(), &raw, nullptr) != 0) near_ = far_ = -1;
     path_ = name.data();
     fcntl(near_, F_SETFL, O_NONBLOCK);
+    for (const int end : {near_, far_}) fcntl(end, F_SETFD, FD_CLOEXEC);  // else mauved has it too
   }
   ~Outlet() {
     close(near_);
