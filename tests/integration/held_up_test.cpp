@@ -50,8 +50,9 @@ TEST_F(HeldUp, AStopIsCarriedOutAndAnsweredAllTheSame) {
 
   const auto stopped = daemon_->ask("component.stop", {{"components", {"first"}}});
 
+  ASSERT_TRUE(stopped.contains("state")) << stopped;
   EXPECT_EQ(stopped["state"], "applied") << stopped;
-  EXPECT_EQ(stopped["directly"], true);
+  EXPECT_EQ(stopped["directly"], true) << stopped;
   ASSERT_EQ(stopped["warnings"].size(), 1U) << "other commands wait, and a warning says so";
   ASSERT_EQ(stopped["components"].size(), 1U);
   EXPECT_EQ(stopped["components"][0]["name"], "first");
