@@ -95,10 +95,18 @@ class SafeOrdersOfTasks : public testing::Test {
     const auto done = deployer_->apply(change);
     ASSERT_TRUE(done) << to_string(done.error());
   }
-  [[nodiscard]] static bool gets(PipeDevice& device, int orders) {
-    std::string wanted;
-    for (int i = 0; i < orders; ++i) wanted += "stand ";
-    return test::eventually([&] { return device.bytes() == wanted; });
+  /// At least so many orders and nothing else. Two reasons for an order may come one after the
+  /// other, and a core that goes takes its device with it after the first one.
+  [[nodiscard]] static bool gets(PipeDevice& device, std::size_t orders) {
+    const std::string order = "stand ";
+    return test::eventually([&] {
+      const std::string& all = device.bytes();
+      if (all.size() < orders * order.size()) return false;
+      for (std::size_t at = 0; at < all.size(); at += order.size()) {
+        if (all.compare(at, order.size(), order) != 0) return false;
+      }
+      return true;
+    });
   }
   /// The core in force.
   [[nodiscard]] Wheels& wheels() const {
@@ -148,7 +156,7 @@ TEST_F(SafeOrdersOfTasks, GoOutToTheDeviceThatADriverLeaves) {
 
   swap(ramp::to_core<OtherWheels>("other"));
 
-  EXPECT_TRUE(gets(left_, 2));
+  EXPECT_TRUE(gets(left_, 1));
   deployer_->run_for(20ms);
   EXPECT_EQ(state(), ComponentState::running);
   EXPECT_EQ(other_.bytes(), "");
@@ -177,7 +185,7 @@ TEST_F(SafeOrdersOfTasks, GoOutToTheDeviceThatARollbackLeaves) {
 
   EXPECT_EQ(state(), ComponentState::running);
   EXPECT_NE(deployer_->status("control").core, "failing");
-  EXPECT_TRUE(gets(other_, 2));
+  EXPECT_TRUE(gets(other_, 1));
 }
 
 TEST_F(SafeOrdersOfTasks, GoOutAtAStopAlsoOfWhatStandsAlready) {
