@@ -52,7 +52,7 @@ def leave_out(system, gone):
     steps = system.get("transactions", {})
     lost = {name for name, step in steps.items() if names(json.dumps(step), gone)}
     rules = system.get("rules", [])
-    kept = [rule for rule in rules if rule.get("do") not in lost and not names(
+    kept = [rule for rule in rules if str(rule.get("do")) not in lost and not names(
         json.dumps([rule.get("when"), rule.get("until"), rule.get("do")]), gone)]
     system["transactions"] = {name: step for name, step in steps.items() if name not in lost}
     system["rules"] = kept

@@ -57,7 +57,7 @@ class Play(unittest.TestCase):
         self.assertNotIn("gnss", system["components"])
         self.assertEqual([name for name in system["transactions"] if "gnss" in name], [])
         self.assertEqual([rule["name"] for rule in system["rules"]],
-                         ["in_the_yard", "in_the_building", "does_not_get_on"])
+                         ["in_the_yard", "in_the_building", "does_not_get_on", "base_disobeys"])
 
     def test_is_accepted_by_mauved(self):
         self.played()
