@@ -4,6 +4,9 @@
 
 #include <mauve/plugin.h>
 
+#include <sys/syscall.h>
+#include <unistd.h>
+
 #include <chrono>
 #include <csignal>
 #include <cstdint>
@@ -119,9 +122,11 @@ class MuteCore final : public mauve::Core<mauve::EmptyShell> {
     sigset_t all{};
     sigset_t before{};
     sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, &before);
+    // Not by pthread_sigmask(), which keeps the signals of mauve out of the mask.
+    constexpr std::size_t kSignalBytes = 8;
+    syscall(SYS_rt_sigprocmask, SIG_BLOCK, &all, &before, kSignalBytes);
     wait_for_file_to_go();
-    pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    syscall(SYS_rt_sigprocmask, SIG_SETMASK, &before, nullptr, kSignalBytes);
     return 1.0;
   }
 
