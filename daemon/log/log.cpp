@@ -111,7 +111,7 @@ void Log::run() {
     }
     look_at_levels(batch);
     collect(batch);
-    pulse.turn(rt::Pulse::kBoundedElsewhere);  // whoever reads the log may take their time
+    pulse.turn(rt::Pulse::kBoundedElsewhere);  // a reader of the log may be slow
     write_up_to(batch, cut);
     {
       const MutexLock lock(mutex_);

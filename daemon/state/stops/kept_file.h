@@ -32,8 +32,8 @@ class KeptFile {
   const std::filesystem::path draft_;
   const std::filesystem::path spare_draft_;
   rt::Descriptor directory_;
-  rt::Descriptor now_;    ///< what the name of the file leads to; none before the first replace()
-  rt::Descriptor next_;   ///< what the name of the draft leads to
+  rt::Descriptor now_;    ///< the file of that name; none before the first replace()
+  rt::Descriptor next_;   ///< the draft
   rt::Descriptor spare_;  ///< the draft after the first one; none after the first replace()
 };
 
