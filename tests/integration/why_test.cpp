@@ -24,13 +24,13 @@ std::vector<std::string> hints(const Json& why) {
   return why["hints"].get<std::vector<std::string>>();
 }
 
-/// Its answer once it knows of a failure, and what the log says of that.
+/// Its answer once a failure has its outcome, and the log says what that is.
 Json why(TrialDaemon& daemon, const std::string& cause) {
   Json said;
   EXPECT_TRUE(eventually([&] {
     said = daemon.ask("component.why", {{"component", "first"}});
     return said["failure"].is_object() && said["failure"]["cause"] == cause &&
-           said["failure"]["fsm_state"] != "";
+           said["failure"]["fsm_state"] != "" && said["failure"]["did"] != "recovers";
   })) << said;
   return said;
 }
