@@ -102,6 +102,9 @@ rlim_t lowest_free_in(pid_t process) {
 }
 
 TEST_F(UserStop, IsSavedWhenNoDescriptorIsFree) {
+#if defined(MAUVE_SANITIZE_ADDRESS_UNDEFINED)
+  GTEST_SKIP() << "NOT TESTED: the sanitizer needs a descriptor of its own to look at an object";
+#endif
   begin();
   auto client = daemon->client();
   ASSERT_TRUE(client.ask("ping").contains("result"));
