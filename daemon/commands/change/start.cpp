@@ -80,6 +80,9 @@ void start(Running& running, const CallPtr& call, Ticket ticket) {
       run.push_back(name);
     }
   }
+  if (reset) {  // with the cores of now
+    change.made_from = running.deployer.generation(/*before_stops=*/true);
+  }
   if (change.edits.empty()) {
     started();
     Receipt nothing;

@@ -178,6 +178,7 @@ Status Commit::check(TwoPhaseCommit::Kind kind) {
     if (!there) return there;
     if (Status current = check_resource(resource); !current) return current;
   }
+  if (Status same = system_.check_made_from(content_->made_from); !same) return same;
   const bool outdated = content_->revision && *content_->revision != system_.revision;
   if (outdated && !content_->in_place) {
     if (Status fits = check_fit_again(system_, *content_); !fits) return fits;

@@ -62,8 +62,7 @@ std::vector<std::string> Deployer::shutdown(Duration bound, Duration ordinary) {
 Instant Deployer::t0() const { return system_->t0; }
 const Clock& Deployer::clock() const { return system_->runner->clock(); }
 std::uint64_t Deployer::generation(bool before_stops) const {
-  const bool stopped = before_stops && system_->generation == system_->stopped;
-  return stopped ? system_->before_stops : system_->generation;
+  return before_stops ? system_->generation_before_stops() : system_->generation;
 }
 const std::vector<std::string>& Deployer::warnings() const { return system_->warnings; }
 

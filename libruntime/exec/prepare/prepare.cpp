@@ -86,6 +86,7 @@ class Preparation {
 
   Result<PreparedChange> run(bool configure) {
     content_->revision = system_.revision;
+    content_->made_from = change_.made_from;
     content_->what = what_of(change_);
     content_->sets = set_by(change_);
     content_->probation = change_.probation;
@@ -250,12 +251,7 @@ Result<PreparedChange> prepare_locked(System& system, const Change& change, Chan
   if (!hold)
     return refuse({Errc::timed_out, "preparation_abandoned"}, "deployer",
                   "the change was dropped before it began, since its thread was abandoned");
-  if (change.made_from && *change.made_from != system.generation) {
-    return refuse({Errc::conflict, "changed_meanwhile"}, system.architecture.name(),
-                  "changed, for example by a rollback, after this change was made from what was in "
-                  "force before",
-                  "try again; `logs` and `history` show what came between");
-  }
+  if (Status same = system.check_made_from(change.made_from); !same) return same.error();
   if (Status sound = check_names(system, change); !sound) return sound.error();
   if (Status made = put_as_replacements(system.architecture, whole); !made) return made.error();
   auto prepared = preparation.run(configure);

@@ -117,8 +117,9 @@ class PreparedChange::Content {
   std::vector<exec::PreparedResource> resources;
   /// Of the model that it was prepared against, see System::revision; none: it has no preparation.
   std::optional<std::uint64_t> revision;
-  std::string what;               ///< in the words of the wire
-  std::vector<std::string> sets;  ///< addresses of properties that it sets
+  std::optional<std::uint64_t> made_from;  ///< see Change
+  std::string what;                        ///< in the words of the wire
+  std::vector<std::string> sets;           ///< addresses of properties that it sets
   std::optional<Probation> probation;
   bool changes_rules = false;  ///< see Change
   bool ends_stops = false;     ///< see Change

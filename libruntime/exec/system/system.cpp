@@ -45,6 +45,14 @@ System::System(Architecture& its_architecture, DeployOptions its_options)
       stops(options.stops == nullptr ? own_stops_ : *options.stops) {}
 System::~System() = default;
 
+Status System::check_made_from(const std::optional<std::uint64_t>& made_from) const {
+  if (!made_from || *made_from == generation_before_stops()) return ok();
+  return refuse({Errc::conflict, "changed_meanwhile"}, architecture.name(),
+                "changed, for example by a rollback, after this change was made from what was in "
+                "force before",
+                "try again; `logs` and `history` show what came between");
+}
+
 Deployed* System::find(std::string_view component) {
   for (Deployed& candidate : deployed) {
     if (!candidate.hidden && candidate.component->name() == component) return &candidate;

@@ -120,6 +120,12 @@ class System {
   [[nodiscard]] Deployed* find(const ComponentBase& component);
   /// A rollback may bring back a component of this name, or a change under way brings one.
   [[nodiscard]] bool is_away(std::string_view component) const;
+  /// The newest generation that no stop made.
+  [[nodiscard]] std::uint64_t generation_before_stops() const {
+    return generation == stopped ? before_stops : generation;
+  }
+  /// Refuses a change that was made from what was in force before another change or a rollback.
+  [[nodiscard]] Status check_made_from(const std::optional<std::uint64_t>& made_from) const;
   /// No stop by a user stands. [control]
   [[nodiscard]] bool may_run(std::string_view component) const {
     return stops.of(component) == nullptr;

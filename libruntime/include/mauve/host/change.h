@@ -97,8 +97,9 @@ struct Change {
   /// from the begin of the change on (see UserStops), unless it is not put in force.
   std::vector<std::string> stops = {};
   UserStop stopped_by = {};  ///< of `stops`
-  /// The generation that the change was made from: prepare() refuses the change when another one is
-  /// in force, for example after a rollback. None: made from the change alone.
+  /// The generation that the change was made from, see Deployer::generation(before_stops): the
+  /// change is refused when another one is in force, for example after a rollback. None: made from
+  /// the change alone.
   std::optional<std::uint64_t> made_from = {};
 };
 
