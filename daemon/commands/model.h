@@ -62,6 +62,17 @@ class StandStill {
   Deployer& deployer_;
 };
 
+/// From the look of a command to its act. What the system did by itself until now is in the books
+/// and reported, also its generation; from now on nothing changes the architecture but the command,
+/// until this object goes. [control]
+class FromLookToAct {
+ public:
+  explicit FromLookToAct(const Running& running) : still_((running.report_outcomes(), running)) {}
+
+ private:
+  StandStill still_;
+};
+
 /// The running system in the form of an architecture file. It is of the generation that the
 /// deployer reports only while the architecture stands still.
 [[nodiscard]] Value described(const Running& running);

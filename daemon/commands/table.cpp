@@ -97,9 +97,6 @@ CallPtr CommandTable::call_of(const server::Caller& caller, const protocol::Meth
 }
 
 void CommandTable::run(const Command& command, const CallPtr& call) {
-  const std::function<void()> by_itself = [this, &command, call] {
-    command.later(running_, call, {});
-  };
   switch (call->method->lane) {
     case Lane::any:
       return answer(running_, *call, command.at_once(running_, *call));
@@ -107,7 +104,8 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
       return running_.control.read([this, &command, call] { look(command, *call); },
                                    asker_of(*call));
     case Lane::later:
-      return running_.control.read(by_itself, asker_of(*call));
+      return running_.control.read([this, &command, call] { command.later(running_, call, {}); },
+                                   asker_of(*call));
     case Lane::aside:
       return running_.control.read([this, &command, call] { run_aside(command, call); },
                                    asker_of(*call));
@@ -115,7 +113,10 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
       if (command.later == stop) {
         watch_over_stop(running_, call);
       }
-      return running_.control.urgent(by_itself);
+      return running_.control.urgent([this, &command, call] {
+        const FromLookToAct still(running_);
+        command.later(running_, call, {});
+      });
     case Lane::factory:
       return run_in_factory(command, call);
     case Lane::change:
@@ -153,6 +154,7 @@ void CommandTable::run_aside(const Command& command, const CallPtr& call) {
 
 void CommandTable::run_as_change(const Command& command, const CallPtr& call) {
   const auto begin = [this, &command, call](Ticket ticket) {
+    const FromLookToAct still(running_);
     call->before = running_.generation;
     call->stops = running_.stops;
     auto met = check_conditions(running_, *call);

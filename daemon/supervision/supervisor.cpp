@@ -15,6 +15,7 @@
 #include "commands/change/change.h"
 #include "commands/lock.h"
 #include "commands/look/value.h"
+#include "commands/model.h"
 #include "rt/process/pulse.h"
 #include "supervision/rule_rows.h"
 #include "supervision/transaction.h"
@@ -314,6 +315,7 @@ void Supervisor::carry_out(Dispatch dispatch) {
         [this, dispatch, outcome, keeps_a_thread] { conclude(dispatch, outcome, keeps_a_thread); });
   };
   const bool queued = control_.change([this, call, steps = std::move(steps)](Ticket ticket) {
+    const FromLookToAct still(*running_);
     call->before = running_->generation;
     if (const auto met = check_conditions(*running_, *call); !met) {
       return answer(*running_, *call, met.error());

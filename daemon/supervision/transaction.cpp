@@ -29,7 +29,6 @@ bool rolls_back_unconfirmed(Running& running, const Change& change,
       return std::ranges::find(open.components, edit.member) != open.components.end();
     });
   };
-  const StandStill still(running);
   for (const auto& open : running.deployer.probations()) {
     const bool waits = open.rules.confirm_within > Duration{0} && !open.rolls_back;
     if (waits && shares(open)) {
@@ -78,7 +77,7 @@ void begin_transaction(Running& running, const CallPtr& call, const rules::Steps
   }
   running.control.await([&running] { return !running.deployer.going_back(); },
                         [&running, call, steps, ticket = std::move(ticket)]() mutable {
-                          running.report_outcomes();
+                          const FromLookToAct still(running);
                           begin_transaction(running, call, steps, std::move(ticket));
                         });
 }

@@ -120,6 +120,7 @@ class Application final : public ChangeHooks {
     difference_.change.sync =
         asked.value_or(difference_.exchanged.empty() ? Sync::cut : Sync::barrier);
     difference_.change.changes_rules = supervises_;
+    difference_.change.made_from = running_.deployer.generation(/*before_stops=*/true);
     return std::move(difference_.change);
   }
 
@@ -314,6 +315,7 @@ void load_then_apply(Running& running, const CallPtr& call, ApplicationPtr appli
             : refuse_file(running, *call, std::move(errors));
       return free_in_factory(running, std::move(application), std::move(ticket));
     }
+    const FromLookToAct still(running);
     application->compare();
     apply_judged(running, call, std::move(application), std::move(ticket));
   };

@@ -35,6 +35,7 @@ void end_in_place(Running& running, const CallPtr& call, ChangeRequestPtr reques
 
 void resume_in_place(Running& running, const CallPtr& call, ChangeRequestPtr request,
                      Ticket ticket) {
+  const FromLookToAct still(running);
   auto& change = **request->prepared;
   if (stops_of(running.stops, request->change) != request->stops) {
     change.content().members.front().resume = false;  // the component stays stopped

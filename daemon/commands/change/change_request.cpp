@@ -198,6 +198,7 @@ void prepare_then(Running& running, const CallPtr& call, ChangeRequestPtr reques
   running.control.in_factory(
       [request, prepare = std::move(prepare)] { request->prepared = prepare(); },
       [&running, call, request, next, ticket = std::move(ticket)]() mutable {
+        const FromLookToAct still(running);
         if (!may_go_on(running, *call, *request)) {
           return free_in_factory(running, std::move(request), std::move(ticket));
         }

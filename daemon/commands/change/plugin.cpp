@@ -39,6 +39,7 @@ struct Load {
 };
 
 void finish_load(Running& running, const Call& call, Load& load) {
+  const FromLookToAct still(running);
   if (!*load.loaded) {
     return answer(running, call, load.loaded->error());
   }
@@ -165,6 +166,7 @@ namespace {
 
 /// [control] No remains of the changes before this one hold the library any more.
 void unload_settled(Running& running, const CallPtr& call, const std::string& name, Ticket ticket) {
+  const FromLookToAct still(running);
   auto allowed = check_conditions(running, *call);
   if (allowed) {
     allowed = may_change(running, *call, {line_of_unloading(name)});

@@ -3,6 +3,7 @@
 /// requests that wait.
 #include <algorithm>
 #include <charconv>
+#include <set>
 #include <system_error>
 
 #include "base/duration.h"
@@ -94,6 +95,22 @@ Json on_probation(const Running& running) {
     }
   }
   return all;
+}
+
+/// The generations that rollbacks are taking back.
+std::set<std::uint64_t> going_back(const Running& running) {
+  std::set<std::uint64_t> going;
+  for (const auto& open : running.deployer.probations()) {
+    if (open.rolls_back) {
+      going.insert(open.generations.begin(), open.generations.end());
+    }
+  }
+  for (const auto& place : running.places) {
+    if (place.rolls_back || place.failure) {
+      going.insert(place.generation);
+    }
+  }
+  return going;
 }
 
 /// The one that `undo` takes back: the one that made this generation, or the newest for 0. No
@@ -299,15 +316,14 @@ Json to_json(const Probation& probation) {
   return json;
 }
 
-// A commit may be newer than the last look. After this one nothing comes into force until all is
-// confirmed that the answer lists.
+// A member may fail in the instant of the confirmation: its change is rolled back all the same. The
+// generation that runs then holds what goes back, so no start may use it.
 void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
-  running.report_outcomes();
-  const StandStill still(running);
   if (auto met = check_conditions(running, *call); !met) {
     return answer(running, *call, met.error());
   }
-  Json confirmed = on_probation(running);
+  note_place_failures(running);
+  auto confirmed = on_probation(running);
   if (flag(call->params, "dry_run")) {
     return answer(running, *call,
                   Json{{"generation", running.deployer.generation()},
@@ -317,24 +333,36 @@ void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
   }
   const bool done = running.deployer.confirm().has_value();
   const bool places = confirm_places(running);
-  const bool new_code = confirm_unproven(running);
+  const auto going = going_back(running);
+  const bool whole = going.empty();
+  const bool new_code = whole && confirm_unproven(running);
   // Also when nothing else confirms it, such as a start in which a component failed.
-  const bool changes = done || places || new_code || is_saved_unconfirmed(running);
+  const bool changes = done || places || new_code || (whole && is_saved_unconfirmed(running));
   if (auto kept = changes ? ok() : check_kept(running); !kept) {
     return answer(running, *call, kept.error());
   }
-  call->confirms = true;  // a power cut must not take it back, so the answer waits for the disk
-  answer(running, *call,
-         Json{{"generation", running.deployer.generation()},
+  Json result{{"generation", running.deployer.generation()},
               {"changed", changes},
-              {"confirmed", std::move(confirmed)}});
+              {"confirmed", Json::array()}};
+  for (auto& one : confirmed) {
+    if (!going.contains(one["generations"].back().get<std::uint64_t>())) {
+      result["confirmed"].push_back(std::move(one));
+    }
+  }
+  if (whole) {
+    call->confirms = true;  // a power cut must not take it back, so the answer waits for the disk
+  } else {
+    say_notes({"generation " + std::to_string(*going.rbegin()) +
+               " is being rolled back, so the generation that runs is not kept for a start: "
+               "mauvectl confirm keeps the one after the rollback"},
+              result);
+  }
+  answer(running, *call, std::move(result));
 }
 
 // The undo of a swap in place is a change, so it waits for the end of the change under way. That
 // change may have its answer already, while [factory] frees the elements that it retired.
 void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
-  running.report_outcomes();
-  const StandStill still(running);
   auto wanted = meant_by(running, wanted_generation(*call));
   if (!wanted.place || !running.control.busy()) {
     return begin_undo(running, call, wanted);
@@ -345,8 +373,7 @@ void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
         return !running.control.busy() || std::chrono::steady_clock::now() >= until;
       },
       [&running, call, wanted = std::move(wanted)] {
-        running.report_outcomes();
-        const StandStill stands(running);
+        const FromLookToAct still(running);
         begin_undo(running, call, wanted);
       });
 }

@@ -17,6 +17,7 @@
 #include "commands/change/change_request.h"
 #include "commands/change/plugin_members.h"
 #include "commands/change/policies.h"
+#include "commands/change/reload/reload_answer.h"
 #include "commands/change/reload/reload_in_place.h"
 #include "commands/change/trial.h"
 #include "commands/lock.h"
@@ -47,6 +48,7 @@ struct Reload {
   plugin::Unmapped unmapped;
   std::vector<arch::Line> lines;  ///< the differences that it makes, once it is prepared
   std::vector<std::string> notes;
+  std::shared_ptr<ReloadAnswer> answer;  ///< once it is in force
 };
 using ReloadPtr = std::shared_ptr<Reload>;
 
@@ -131,9 +133,10 @@ void free_old(Running& running, Reload& reload, bool in_force) {
   }
 }
 
-/// The answer for a reload that is in force, without the fate of the old code.
+/// The receipt of a reload that is in force. It names the generation of the reload, although a
+/// rollback may have begun another.
 Json result_of(Running& running, Reload& reload) {
-  auto result = reload.receipt ? to_json(*reload.receipt) : to_json(Receipt{});
+  auto result = to_json(reload.receipt.value_or(Receipt{running.generation, {}, {}, 0, {}}));
   say_sync(reload.prepared, result);
   say_who_stands(running, reload.change, Asked::in_force, result);
   say_missed(running.deployer.realtime(), result);
@@ -150,36 +153,47 @@ Json result_of(Running& running, Reload& reload) {
   return result;
 }
 
-void finish(Running& running, const Call& call, Json result, const plugin::Unmapped& old) {
-  const bool kept = !old.unmapped && result.contains("probation");
-  running.log.write(kept ? Event::plugin_kept : event_of(old),
-                    {{"plugin", text_or(result, "plugin")},
+/// [control] The names mean the new code from now on, and the reload is in the books.
+Status put_in_books(Running& running, const CallPtr& call, Reload& reload) {
+  if (auto handed = hand_names_over(running, reload); !handed) {
+    return handed;
+  }
+  reload.answer = std::make_shared<ReloadAnswer>(std::move(call->reply));
+  call->reply = [whole = reload.answer](server::Outcome receipt) {
+    whole->receipt(std::move(receipt));
+  };
+  answer(running, *call, result_of(running, reload));
+  return ok();
+}
+
+void finish(Running& running, const std::string& plugin, ReloadAnswer& whole,
+            const plugin::Unmapped& old, bool kept) {
+  running.log.write(kept && !old.unmapped ? Event::plugin_kept : event_of(old),
+                    {{"plugin", plugin},
                      {"text", old.unmapped ? std::string("replaced by a new one") : old.reason}});
-  result["generation"] = running.generation.load();
-  result["unmapped"] = old.unmapped;
-  result["why"] = old.reason;
-  answer(running, call, std::move(result));
+  whole.old_code(old);
 }
 
 /// [control] A refusal is answered at once, a reload in force when the old code is gone.
 void end(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket,
          const Status& done) {
-  const bool in_force = done.has_value();
-  if (!in_force) {
+  if (!done) {
     answer(running, *call, done.error(), state_after(done.error()));
   }
-  auto result = in_force ? result_of(running, *reload) : Json();
+  const auto whole = reload->answer;
+  const bool kept = reload->receipt && reload->change.probation;
   running.control.in_factory(
-      [&running, reload, in_force] { free_old(running, *reload, in_force); },
-      [&running, call, reload, in_force, result, ticket = std::move(ticket)] {
-        if (in_force) {
-          finish(running, *call, result, reload->unmapped);
+      [&running, reload, whole] { free_old(running, *reload, whole != nullptr); },
+      [&running, reload, whole, kept, ticket = std::move(ticket)] {
+        if (whole != nullptr) {
+          finish(running, reload->name, *whole, reload->unmapped, kept);
         }
       },
-      [&running, call, in_force, result](const std::string& hook) {
-        if (in_force) {
-          finish(running, *call, result,
-                 {false, "an abandoned thread is still in it" + (hook.empty() ? "" : ": " + hook)});
+      [&running, plugin = reload->name, whole, kept](const std::string& hook) {
+        if (whole != nullptr) {
+          finish(running, plugin, *whole,
+                 {false, "an abandoned thread is still in it" + (hook.empty() ? "" : ": " + hook)},
+                 kept);
         }
       });
 }
@@ -224,6 +238,7 @@ void answer_dry_reload(Running& running, const CallPtr& call, ReloadPtr reload, 
 
 /// [control]
 void put_reload_in_force(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket) {
+  const FromLookToAct still(running);
   if (auto good = may_go_on(running, *call, *reload); !good) {
     return end(running, call, std::move(reload), std::move(ticket), good);
   }
@@ -231,7 +246,7 @@ void put_reload_in_force(Running& running, const CallPtr& call, ReloadPtr reload
     return answer_dry_reload(running, call, std::move(reload), std::move(ticket));
   }
   if (reload->change.edits.empty()) {
-    const auto done = hand_names_over(running, *reload);
+    const auto done = put_in_books(running, call, *reload);
     return end(running, call, std::move(reload), std::move(ticket), done);
   }
   if (reload->change.probation) {
@@ -255,7 +270,7 @@ void put_reload_in_force(Running& running, const CallPtr& call, ReloadPtr reload
                     } else {
                       begin_unproven(running, *call, std::move(changed));
                     }
-                    done = hand_names_over(running, *reload);
+                    done = put_in_books(running, call, *reload);
                   } else {
                     done = receipt.error();
                   }
@@ -296,7 +311,6 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
   if (!probation) {
     return answer(running, *call, probation.error());
   }
-  running.report_outcomes();  // a probation that has ended keeps nothing
   if (auto allowed = check_former(running, reload->name); !allowed) {
     return answer(running, *call, allowed.error());
   }
@@ -307,7 +321,7 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
       [&running, call, reload, policy = *policy, probation = *probation,
        ticket = std::move(ticket)] {
         reload->change = members_of(running, reload->name, policy);
-        reload->change.made_from = running.deployer.generation();
+        reload->change.made_from = running.deployer.generation(/*before_stops=*/true);
         if (flag(call->params, "in_place")) {
           return reload_in_place(running, call, ticket, reload->name, std::move(reload->change));
         }
