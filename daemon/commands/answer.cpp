@@ -89,12 +89,10 @@ void continue_proof(Running& running, const Call& call) {
 void answer_applied(Running& running, const Call& call, Json result) {
   MAUVE_ON_THREAD(control);
   const auto generation = running.deployer.generation();
-  // That one may be a roll-back of this change already.
-  const auto made = result.find("generation");
-  const auto its = made == result.end() ? generation : made->get<std::uint64_t>();
-  result["generation"] = generation;
+  // The one in force may be a rollback of this change already, or of another one.
+  const auto its = result.emplace("generation", generation).first->get<std::uint64_t>();
   if (!call.method->harmless()) {
-    remember_author(running, call, result, generation);
+    remember_author(running, call, result, its);
     remember_change(running, call, result, its);
   }
   if (const auto lines = result.find("lines");

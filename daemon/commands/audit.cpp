@@ -161,7 +161,7 @@ std::string changes_of(const Json& result) {
 Json audit_applied(Running& running, const Call& call, const Json& result) {
   MAUVE_ON_THREAD(control);
   auto line = begin(call);
-  line.add("generation", number(running.deployer.generation()));
+  line.add("generation", result.at("generation").get<std::int64_t>());
   const bool unchanged = result.contains("changed") && !flag(result, "changed");
   line.add("state", text_or(result, "state", unchanged ? "unchanged" : "applied"));
   line.json["outcome"] = "applied";
