@@ -62,9 +62,9 @@ class StandStill {
   Deployer& deployer_;
 };
 
-/// From the look of a command to its act. What the system did by itself until now is in the books
-/// and reported, also its generation; from now on nothing changes the architecture but the command,
-/// until this object goes. [control]
+/// From the look of a command to its act. The constructor brings the books up to date with all that
+/// the system did by itself. While this object lives, only the command changes the architecture.
+/// [control]
 class FromLookToAct {
  public:
   explicit FromLookToAct(const Running& running) : still_((running.report_outcomes(), running)) {}

@@ -397,10 +397,15 @@ class WrongPrograms(unittest.TestCase):
                                ("mauve::Fsm<Good>", 'plugin.fsm<Bad>("bad");'),
                                ("mauve::Interface<Tank>",
                                 'plugin.resource<mauve::EmptyShell, Tank, Bad>("bad");')):
-                self.refused("the runtime calls `mauve::Status on_configure()` and `void on_cleanup()` in this form only",
+                self.refused("the runtime calls `mauve::Status on_configure()`, `void on_cleanup()` and, of a core, "
+                             "`void on_stop()` in this form only",
                              "struct Bad : %s { %s }; struct Own : mauve::Core<Bad> { void update() {} };"
                              % (kind, method) if kind == "mauve::Shell" else
                              "struct Bad : %s { %s };" % (kind, method), body)
+
+    def test_a_core_whose_method_has_the_name_of_the_stop_hook_and_another_signature(self):
+        self.refused("of a core, `void on_stop()` in this form only",
+                     "struct Bad : mauve::Core<Shell> { void on_stop(int) {} };", 'plugin.core<Bad>("bad");')
 
     def test_a_core_that_uses_a_state_which_it_does_not_declare(self):
         self.refused("use of undeclared identifier 'state'" if "clang" in COMPILER else

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "exec/task/fault_reaction.h"
+#include "exec/task/job_runner.h"
 #include "exec/task/task_context.h"
 #include "exec/task/write_quietly.h"
 #include "exec/update/task_update.h"
@@ -59,7 +60,8 @@ bool Boundary::serve() {
       if (!take_early(*back)) return false;
     }
   }
-  if (task_.mailbox.halted() && (task_.running || task_.waiting)) stand_still();
+  const bool halts = task_.mailbox.halted() && (task_.running || task_.waiting);
+  if (halts && !stand_still()) return false;
   if (task_.failed && task_.running && !faults_.may_recover()) task_.park(ComponentState::faulted);
   // A parked task takes an update at once that the running one would have taken at its release. No
   // thread wakes it for that.
@@ -71,7 +73,8 @@ bool Boundary::serve() {
 /// its outputs, which may be others, have their safe values before the coordinator goes on.
 MAUVE_RUNS_AT_A_SWAP bool Boundary::take_early(TaskUpdate& next) {
   if (!take(next, task_.meter.now())) return false;
-  if (unacknowledged_ != nullptr && task_.mailbox.halted()) stand_still();
+  const bool halts = unacknowledged_ != nullptr && task_.mailbox.halted();
+  if (halts && !stand_still()) return false;
   acknowledge();
   return true;
 }
@@ -148,6 +151,11 @@ MAUVE_RUNS_AT_A_SWAP bool Boundary::take(TaskUpdate& next, Instant begin) {
   if (next.mode_only) keep_bundle(next);
   const bool waited = std::exchange(task_.waiting, false);
   task_.running = task_.running || waited;
+  if (next.mode == Mode::park) {
+    taking_ = &next;
+    if (!jobs_.let_core_stop()) return false;
+    taking_ = nullptr;
+  }
   for (const auto& [port, before] : next.safe_writes) write_quietly(*port, *before, true);
   if (next.mode == Mode::park) faults_.write_safe_values();
   // No state is moved out of a core that an abandoned thread may still run.
@@ -217,7 +225,7 @@ void Boundary::finish_taking() {
   TaskUpdate* const next = std::exchange(taking_, nullptr);
   if (next == nullptr) return;
   take_rest(*next);
-  next->answer->failed = true;
+  next->answer->failed = next->hand_over.convert != nullptr;
 }
 
 /// Lets a running task wait, and a waiting one go on. Other tasks are not affected.
@@ -356,12 +364,15 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::acknowledge() {
 }
 
 /// The task stands still from now on, with its safe values written.
-void Boundary::stand_still() {
+bool Boundary::stand_still() {
   const bool runs = task_.running || task_.waiting;
+  task_.running = runs;
   task_.waiting = false;
+  if (!jobs_.let_core_stop()) return false;
   task_.failed.forget();
   faults_.write_safe_values();
   if (runs) task_.park(ComponentState::stopped);
+  return true;
 }
 
 std::vector<std::shared_ptr<const Bundle>> Boundary::bundles() const {

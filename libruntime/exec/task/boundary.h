@@ -17,12 +17,14 @@ struct Bundle;
 namespace exec {
 
 class FaultReaction;
+class JobRunner;
 struct TaskUpdate;
 struct TaskContext;
 
 class Boundary {
  public:
-  Boundary(TaskContext& task, FaultReaction& faults) : task_(task), faults_(faults) {}
+  Boundary(TaskContext& task, FaultReaction& faults, JobRunner& jobs)
+      : task_(task), faults_(faults), jobs_(jobs) {}
 
   /// Between jobs, ahead of the armed release: gives an aborted update back. Takes a committed
   /// update or rollback if the release is at or after its instant and not due, or if the task
@@ -62,12 +64,13 @@ class Boundary {
   void start(const TaskUpdate& next);
   void keep_phase(const TaskUpdate& next);
   void give_back(TaskUpdate& next);
-  void stand_still();
+  [[nodiscard]] bool stand_still();
 
   TaskContext& task_;
   FaultReaction& faults_;
+  JobRunner& jobs_;
   TaskUpdate* unacknowledged_ = nullptr;  // applied, not yet answered
-  TaskUpdate* taking_ = nullptr;          // its converter runs
+  TaskUpdate* taking_ = nullptr;          // its converter runs, or the core that it stops is told
   rt::Fault hand_over_fault_;             // of the last converter
 };
 

@@ -107,7 +107,6 @@ void FaultReaction::fail(Cause cause) {
   task_.arm(task_.release + task_.wait.count());
 }
 
-/// Counts the failure and records it for status, trace and log.
 void FaultReaction::report(Cause cause) {
   add<std::uint64_t>(task_.report.counters().faults, 1);
   record(cause);
@@ -145,11 +144,30 @@ void FaultReaction::write_safe_values() {
   }
 }
 
-void FaultReaction::fail_as_hung() {
+void FaultReaction::describe_hang() {
   FaultRecord& fault = task_.report.fault();
   std::snprintf(fault.text.data(), fault.text.size(), "its job ran longer than %lld ms",
                 static_cast<long long>(task_.current->bound / 1ms));
+}
+
+void FaultReaction::fail_as_hung() {
+  describe_hang();
   fail(Cause::hung);
+}
+
+Cause FaultReaction::describe(const rt::Fault& fault, bool hung,
+                              const std::array<char, 128>& thrown) {
+  auto& text = task_.report.fault().text;
+  if (hung) {
+    describe_hang();
+    return Cause::hung;
+  }
+  if (fault.happened()) {
+    rt::describe(fault, text.data(), text.size());
+    return Cause::crashed;
+  }
+  text = thrown;
+  return Cause::threw;
 }
 
 void FaultReaction::fail_in_hand_over(const rt::Fault& fault) {

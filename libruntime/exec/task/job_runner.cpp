@@ -55,15 +55,23 @@ struct JobRunner::JobEnd {
     text = {};
     std::string_view(what).copy(text.data(), text.size() - 1);
   }
-  static void run(void* self) {
-    auto& end = *static_cast<JobEnd*>(self);
+  template <typename Code>
+  void run(Code code) {
     try {
-      end.state = end.runner.run_states(end);
+      code();
     } catch (const std::exception& error) {
-      end.keep(text_of(error));
+      keep(text_of(error));
     } catch (...) {
-      end.keep("something that is no std::exception");
+      keep("something that is no std::exception");
     }
+  }
+  static void run_states(void* self) {
+    auto& end = *static_cast<JobEnd*>(self);
+    end.run([&end] { end.state = end.runner.run_states(end); });
+  }
+  static void stop(void* self) {
+    auto& end = *static_cast<JobEnd*>(self);
+    end.run([&end] { end.runner.task_.current->bundle->core->mauve_stop(); });
   }
 };
 
@@ -72,13 +80,24 @@ bool JobRunner::run(Instant now) {
   // Invariant: a job ends here, whichever way its user code ends it. Only this component is
   // affected; its outputs get their safe values; every resource it held was left.
   JobEnd end{*this, now};
+  rt::Fault fault;
+  const bool ours = run_watched(&JobEnd::run_states, end, now, fault);
+  if (ours) conclude(now, end, fault);
+  leave_job();
+  return ours;
+}
+
+bool JobRunner::run_watched(void (*code)(void*), JobEnd& end, Instant now, rt::Fault& fault) {
   task_.watch.begin(now);
-  const rt::Fault fault = rt::run_guarded(&JobEnd::run, &end, task_.watch.watched());
+  fault = rt::run_guarded(code, &end, task_.watch.watched());
   const ResourceLock* inside = fault.happened() ? ResourceLock::poison_and_leave_all() : nullptr;
   if (!fault.happened() && end.threw) inside = this_job().threw_in;
   const bool ours = task_.watch.end(now);
   if (ours) task_.failed_in_lock = inside;
-  if (ours) conclude(now, end, fault);
+  return ours;
+}
+
+void JobRunner::leave_job() {
   Job& job = this_job();
   rt::end_preemption_watch();
   this_report() = nullptr;
@@ -87,6 +106,30 @@ bool JobRunner::run(Instant now) {
   job.release = 0;
   job.step = {};
   job.running = false;
+}
+
+/// No job is counted, and no release passes: the component has run its last one.
+bool JobRunner::let_core_stop() {
+  const CoreBase* const core = task_.current->bundle->core.get();
+  if (!task_.running || task_.failed || core == task_.abandoned_core) return true;
+  const Instant now = task_.meter.now();
+  Job& job = this_job();
+  job.start = now;
+  job.release = now;
+  job.running = true;
+  job.lock_waits = {};
+  job.implausible = nullptr;
+  job.threw_in = nullptr;
+  job.lock_bound = task_.current->shortest_wait;
+  this_report() = &task_.report;
+  JobEnd end{*this, now};
+  rt::Fault fault;
+  const bool ours = run_watched(&JobEnd::stop, end, now, fault);
+  const bool hung = fault.interrupted || (!fault.happened() && task_.watch.is_interrupted(now));
+  if (ours && (hung || fault.happened() || end.threw)) {
+    faults_.report(faults_.describe(fault, hung, end.text));
+  }
+  leave_job();
   return ours;
 }
 
@@ -117,16 +160,9 @@ void JobRunner::begin(Instant now) {
 void JobRunner::conclude(Instant start, const JobEnd& end, const rt::Fault& fault) {
   // The guard may also cut a sleep short, after which the job ends like a healthy one.
   const bool hung = fault.interrupted || (!fault.happened() && task_.watch.is_interrupted(start));
-  if (fault.happened() || end.threw || hung) faults_.write_safe_values();  // before any record
-  if (hung) {
-    faults_.fail_as_hung();
-  } else if (fault.happened()) {
-    auto& text = task_.report.fault().text;
-    rt::describe(fault, text.data(), text.size());
-    faults_.fail(Cause::crashed);
-  } else if (end.threw) {
-    task_.report.fault().text = end.text;
-    faults_.fail(Cause::threw);
+  if (fault.happened() || end.threw || hung) {
+    faults_.write_safe_values();  // before any record
+    faults_.fail(faults_.describe(fault, hung, end.text));
   } else {
     task_.state = end.state;
     task_.report.counters().fsm_state.store(static_cast<std::uint32_t>(end.state->index()),

@@ -26,6 +26,9 @@ class JobRunner {
   /// Runs the job that is due. False: this thread was abandoned meanwhile, and has no part in the
   /// task any more.
   [[nodiscard]] bool run(Instant now);
+  /// Tells a core that runs and has not failed that its component stops; the rules of a job hold.
+  /// False: as of run().
+  [[nodiscard]] bool let_core_stop();
   /// The first call on a thread that replaces an abandoned one: writes the safe values and records
   /// the fault of the abandoned job.
   void go_on();
@@ -34,6 +37,10 @@ class JobRunner {
   struct JobEnd;
 
   void begin(Instant now);
+  /// Runs `code`, which is user code of the core, from `now` on. False: as of run(); else `fault`
+  /// and `end` have its outcome.
+  [[nodiscard]] bool run_watched(void (*code)(void*), JobEnd& end, Instant now, rt::Fault& fault);
+  void leave_job();
   void conclude(Instant start, const JobEnd& end, const rt::Fault& fault);
   [[nodiscard]] FsmState* run_states(JobEnd& job);
   void account(Instant start, const JobEnd& job);

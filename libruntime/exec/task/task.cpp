@@ -19,8 +19,8 @@ namespace mauve::exec {
 Task::Task(std::string name, const Clock& clock, std::shared_ptr<const rt::Noise> noise)
     : context_(std::move(name), clock, std::move(noise)),
       faults_(context_),
-      boundary_(context_, faults_),
-      jobs_(context_, faults_) {
+      jobs_(context_, faults_),
+      boundary_(context_, faults_, jobs_) {
   static_cast<void>(
       rt::preemption_is_reported());  // It finds that out in its first call, and sleeps.
 }

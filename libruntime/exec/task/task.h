@@ -88,8 +88,8 @@ class Task {
  private:
   TaskContext context_;
   FaultReaction faults_;
-  Boundary boundary_;
   JobRunner jobs_;
+  Boundary boundary_;
 };
 
 }  // namespace exec

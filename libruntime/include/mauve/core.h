@@ -16,6 +16,9 @@ class CoreBase : public Configurable {
   /// Runtime only: before configure().
   void bind(Shell& shell) { shell_ = &shell; }
 
+  /// Runtime only: calls on_stop(). [rt]
+  void mauve_stop() { on_stop(); }
+
   /// The state handed over in a swap; null when none is declared.
   [[nodiscard]] StateBase* declared_state() const { return state_; }
   /// The state shared with the next core before that is configured; null when none is declared.
@@ -25,6 +28,13 @@ class CoreBase : public Configurable {
 
  protected:
   [[nodiscard]] Shell& bound_shell() const { return *shell_; }  ///< of the component or resource
+
+  /// The component stops: its last job is over, and the safe values of its ports are written next.
+  /// A request, a rule, a change in place, a removal and the end of mauved stop a component. A fault
+  /// and a core that takes over do not call it, and resources have no stop. The rules of a job hold:
+  /// no heap, no wait, and the watchdog ends it when it takes too long. The component stands then,
+  /// also when it fails. [rt]
+  virtual void on_stop() {}
 
  private:
   friend class SlowStateBase;

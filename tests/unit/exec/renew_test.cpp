@@ -343,45 +343,6 @@ TEST_F(Overtaken, ASoundChangeIsCommittedAllTheSame) {
   EXPECT_TRUE(deployer.commit(*prepared, retired));
 }
 
-TEST_F(Overtaken, AChangeThatWasMadeFromWhatARollbackEndedIsNotPrepared) {
-  Change anew{{}};
-  anew.edits.emplace_back().member = "adder";
-  anew.edits.back().resource = architecture.adder.type();
-  anew.made_from = deployer.generation();
-  EXPECT_TRUE(deployer.prepare(anew));
-  roll_back();
-
-  const auto prepared = deployer.prepare(anew);
-
-  ASSERT_FALSE(prepared);
-  EXPECT_EQ(prepared.error().code, Errc::conflict);
-}
-
-TEST_F(Overtaken, AChangeThatWasMadeFromWhatARollbackEndedIsNotCommitted) {
-  Change anew{{}};
-  anew.edits.emplace_back().member = "adder";
-  anew.edits.back().resource = architecture.adder.type();
-  anew.made_from = deployer.generation(/*before_stops=*/true);
-  auto prepared = deployer.prepare(anew);
-  ASSERT_TRUE(prepared) << to_string(prepared.error());
-  roll_back();
-
-  const auto committed = deployer.commit(*prepared, retired);
-
-  ASSERT_FALSE(committed);
-  EXPECT_EQ(committed.error().id, "changed_meanwhile");
-}
-
-TEST_F(Overtaken, AStopIsNoReasonToRefuseAChangeMadeFromBefore) {
-  Change anew{{}};
-  anew.edits.emplace_back().member = "adder";
-  anew.edits.back().resource = architecture.adder.type();
-  anew.made_from = deployer.generation(/*before_stops=*/true);
-  ASSERT_TRUE(deployer.stop({"far"}));
-
-  EXPECT_TRUE(deployer.prepare(anew));
-}
-
 /// The component `far` reaches the adder through the relay only. A rollback that connects `far`
 /// during the barrier would let it call the adder while the adder hands its state over.
 TEST_F(Renew, EndsTheProbationOfAChangeWhoseRollbackWouldReachTheResourceThroughAnother) {

@@ -14,6 +14,7 @@
 
 namespace mauve {
 
+class CoreBase;
 class PropertyBase;
 class ObservableBase;
 
@@ -87,9 +88,11 @@ struct HooksOf : std::conditional_t<std::is_final_v<T>, std::true_type, T> {
   static constexpr bool are_called() {
     constexpr bool kConfigure = requires { &H::on_configure; };
     constexpr bool kCleanup = requires { &H::on_cleanup; };
+    constexpr bool kStop = std::is_base_of_v<CoreBase, T> && requires { &H::on_stop; };
     constexpr bool kConfigures = requires { static_cast<Status (H::*)()>(&H::on_configure); };
     constexpr bool kCleans = requires { static_cast<void (H::*)()>(&H::on_cleanup); };
-    return (kConfigures || !kConfigure) && (kCleans || !kCleanup);
+    constexpr bool kStops = requires { static_cast<void (H::*)()>(&H::on_stop); };
+    return (kConfigures || !kConfigure) && (kCleans || !kCleanup) && (kStops || !kStop);
   }
 };
 

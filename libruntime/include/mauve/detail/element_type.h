@@ -37,9 +37,11 @@ std::shared_ptr<Base> make() {
                 "mauve: this class is abstract, so no object of it can be made: override every "
                 "pure virtual function of its contract; the next error names those that are left");
   if constexpr (kRight) {
-    static_assert(HooksOf<T>::are_called(),
-                  "mauve: the runtime calls `mauve::Status on_configure()` and `void on_cleanup()` "
-                  "in this form only: declare them with `override`, or rename your method");
+    static_assert(
+        HooksOf<T>::are_called(),
+        "mauve: the runtime calls `mauve::Status on_configure()`, `void on_cleanup()` and, "
+        "of a core, `void on_stop()` in this form only: declare them with `override`, or "
+        "rename your method");
   }
   if constexpr (kRight && kAbstract) {
     return std::shared_ptr<Base>(new T);

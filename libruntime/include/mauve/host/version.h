@@ -16,6 +16,6 @@ inline constexpr const char* kVersion = "0.1.0";  ///< as text
 
 /// Raised with every change of a class of these headers, also of mauve/detail/, that a compiled
 /// plugin can see.
-inline constexpr int kAbi = 10;
+inline constexpr int kAbi = 11;
 
 }  // namespace mauve
