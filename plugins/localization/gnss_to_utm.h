@@ -56,6 +56,10 @@ class GnssToUtmCore final : public mauve::Core<GnssToUtmShell> {
       ++without_position;
       return silence_.look("its receiver has no fix");
     }
+    if (fix.latitude == 0.0 && fix.longitude == 0.0) {  // of receivers that have none yet
+      ++without_position;
+      return silence_.look("its receiver says that it is at exactly 0, 0");
+    }
     const Geographic position{fix.latitude, fix.longitude};
     if (!fixed_.known && !origin_->known) {
       const OriginSearch::Found found = search_.look(position, now());
@@ -108,7 +112,7 @@ class GnssToUtmCore final : public mauve::Core<GnssToUtmShell> {
                                   {.unit = "s", .min = 0.0, .max = 10.0}};
   mauve::Observable<std::uint64_t> positions{*this, "positions", 0, "written on"};
   mauve::Observable<std::uint64_t> without_position{*this, "without_position", 0,
-                                                    "epochs of mode 1, dropped"};
+                                                    "epochs of mode 1, or at 0, 0; dropped"};
   mauve::Observable<std::uint64_t> refused{*this, "refused", 0,
                                            "positions that are none, or far from the zone"};
   mauve::Observable<int> satellites{*this, "satellites", 0, "used in the last epoch"};

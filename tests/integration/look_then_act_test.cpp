@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// What a command looks at holds until it acts: no rollback comes in between. Each way of the table
-// that can change something is asked while a change on probation fails, passes or expires, shortly
-// before and shortly after that, with and without the generation that its user has seen.
+// No rollback comes between the look of a command and its act. Each way of the table that can
+// change something is asked while a change on probation fails, passes or expires. It is asked
+// shortly before and shortly after that, with and without the generation that its user has seen.
 #include <chrono>
 #include <fstream>
 #include <set>
@@ -150,7 +150,7 @@ class LookThenAct : public Generations {
     return !others.contains(way.method);
   }
 
-  /// What was confirmed is not rolled back.
+  /// No change that was confirmed is rolled back.
   void expect_kept(const Json& confirmed, const Json& answer) {
     for (const auto& generation : confirmed["generations"]) {
       const auto row = saved(generation);

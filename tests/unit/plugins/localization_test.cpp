@@ -258,6 +258,20 @@ TEST(GnssToUtm, RefusesPositionsThatAreNone) {
   EXPECT_TRUE(robot.cleanup());
 }
 
+/// Receivers and their drivers send 0, 0 before they have a position, some of them with a mode.
+TEST(GnssToUtm, TakesNoPositionAtExactlyZeroHoweverOftenItComes) {
+  Robot robot;
+  ASSERT_TRUE(robot.configure());
+  const GnssFix zero{1.0, 0.0, 0.0, 0.0, 1.0, 3, 9};
+  const GnssFix beside{1.0, 1e-7, 0.0, 0.0, 1.0, 3, 9};
+  for (int i = 0; i < 30; ++i) robot.gnss_to_utm.interface().fix.write(&zero);
+  EXPECT_EQ(robot.converted("zone"), 0);
+  EXPECT_EQ(robot.converted("without_position"), 30);
+  for (int i = 0; i < OriginSearch::kAgree; ++i) robot.gnss_to_utm.interface().fix.write(&beside);
+  EXPECT_EQ(robot.converted("positions"), 1) << "a ship may be there";
+  EXPECT_TRUE(robot.cleanup());
+}
+
 /// The fixes of a receiver that first says `wrong` a few times, then the right place.
 struct FirstFixes {
   Robot robot;
