@@ -66,6 +66,18 @@ function(mauve_layer name)
   endif()
 endfunction()
 
+# mauve_library_of_plugins(NAME SOURCE...): the static library mauve::NAME, which authors link to their plugins. A
+# plugin takes its code with it when it is unloaded, so it is compiled as a plugin is.
+function(mauve_library_of_plugins name)
+  add_library(mauve_${name} STATIC ${ARGN})
+  add_library(mauve::${name} ALIAS mauve_${name})
+  set_target_properties(mauve_${name} PROPERTIES
+    EXPORT_NAME ${name} CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+  target_link_libraries(mauve_${name} PUBLIC mauve_runtime PRIVATE "$<BUILD_INTERFACE:mauve_warnings>")
+  target_compile_options(mauve_${name} PRIVATE -fnon-call-exceptions
+    $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique>)
+endfunction()
+
 # mauve_test_headers(NAME): where sources are joined, the tests share the precompiled headers of most of them.
 function(mauve_test_headers name)
   if(NOT MAUVE_JOIN)

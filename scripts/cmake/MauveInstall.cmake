@@ -25,7 +25,7 @@ endif()
 if(TARGET mauvectl)
   install(TARGETS mauvectl RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT runtime)
 endif()
-install(TARGETS mauve_runtime mauve_serial mauve_stamp EXPORT mauveTargets
+install(TARGETS mauve_runtime mauve_serial mauve_playback mauve_stamp EXPORT mauveTargets
   ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT dev
   LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT runtime NAMELINK_COMPONENT dev
   RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT dev)
@@ -44,7 +44,8 @@ foreach(plugin ${mauve_plugins})
     install(TARGETS ${plugin} LIBRARY DESTINATION "${MAUVE_PLUGIN_SUBDIR}" COMPONENT ${component})
   endif()
 endforeach()
-foreach(pattern types/*.h guidance/control.h guidance/guidance.h guidance/obstacles.h drivers/*/*driver*.h)
+foreach(pattern types/*.h guidance/control.h guidance/guidance.h guidance/obstacles.h drivers/*/*driver*.h
+    drivers/recording/csv_recording.h drivers/recording/playback.h navigation/regular_file.h)
   file(GLOB headers CONFIGURE_DEPENDS RELATIVE "${mauve_sources}/plugins"
     "${mauve_sources}/plugins/${pattern}")
   foreach(header ${headers})

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Component kinds that play recordings of `mauvectl record`, one for each described type. The file
-/// is read when the core is configured; playing does no I/O.
+/// Component kinds that play recordings of `mauvectl record`, one for each described type: also for
+/// a type of yours, in a plugin that links mauve::playback. The file is read when the core is
+/// configured; playing does no I/O.
 #pragma once
 
 #include <cmath>
@@ -155,6 +156,7 @@ class Playback final : public mauve::Core<PlaybackShell<T>> {
   double offset_ = 0.0;  // s, of the stamps in the values from the times of the rows
 };
 
+/// The component kind `name` of a plugin: a Playback of T, each period.
 template <typename T>
 void declare_playback_of(mauve::Plugin& plugin, const char* name) {
   plugin.component<PlaybackShell<T>, Playback<T>, mauve::PeriodicFsm<Playback<T>>>(name);
