@@ -20,10 +20,10 @@ for unit in mauve-guardian mauved; do
   systemd-analyze security --offline=true --threshold=10 "$work/$unit.service" | tail -1
 done
 
-# The check of `systemctl reload` looks for plugins where the start does.
+# The check of `systemctl reload` takes the file, and looks for plugins, as the start does.
 for line in ExecStart ExecReload; do
-  grep -q "^$line=.* \$MAUVED_OPTIONS\$" "$1/systemd/mauved.service" ||
-    { echo "$line of mauved.service does not use MAUVED_OPTIONS" >&2; exit 1; }
+  grep -q "^$line=.* \${MAUVED_FILE} .*\$MAUVED_OPTIONS\$" "$1/systemd/mauved.service" ||
+    { echo "$line of mauved.service does not use MAUVED_FILE and MAUVED_OPTIONS" >&2; exit 1; }
 done
 
 # With the drop-ins in force (comment signs removed) it must still be understood.
