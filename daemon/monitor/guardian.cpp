@@ -107,6 +107,7 @@ void Guardian::stop_all() {
     return;
   }
   running->control.urgent([running, cause] {
+    const FromLookToAct still(*running);
     note_place_failures(*running);
     const auto call = call_by_itself(*running, cause);
     std::vector<arch::Line> lines;

@@ -126,6 +126,7 @@ void HealthMonitor::look() {
 void HealthMonitor::report_outcomes() {
   auto retired = std::make_shared<Retired>();
   const auto outcomes = running_->deployer.tend(*retired);
+  const StandStill still(*running_);  // no other outcome comes while these are reported
   running_->generation = running_->deployer.generation();
   for (auto outcome : outcomes) {
     const auto place = oldest_place(*running_);

@@ -201,7 +201,7 @@ TEST(RobotDrivers, AScannerThatRefusesToMeasureOrSendsNoScanIsNamed) {
 
   EXPECT_TRUE(robot.reaches("laser", "refused", 3));
   EXPECT_TRUE(robot.run_until(is_silent));
-  EXPECT_EQ(robot.reason("laser", "silent"), "its scanner refuses to measure: status {}");
+  EXPECT_EQ(robot.reason("laser", "silent"), "its scanner refuses to measure: status 1");
 
   scanner.refuses = false;
   EXPECT_TRUE(robot.goes_on("laser", "timeouts", 2)) << "it grants, and sends nothing";

@@ -171,7 +171,8 @@ void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Change
   prepare_then(
       running, call, std::move(request), std::move(ticket),
       [&running, &wanted, prepare = std::move(prepare)] {
-        return prepare ? prepare(wanted) : running.deployer.prepare_in_place(wanted.edits.front());
+        return prepare ? prepare(wanted)
+                       : running.deployer.prepare_in_place(wanted.edits.front(), wanted.made_from);
       },
       park_in_place);
 }

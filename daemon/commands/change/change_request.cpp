@@ -43,6 +43,16 @@ Error stopped_meanwhile(const ChangeRequest& request) {
                 "was stopped by request after this change was asked for", "start it again");
 }
 
+/// Also of a change in place, which parks its component before it is committed.
+Status check_made_from(const Running& running, const Change& change) {
+  if (!change.made_from || *change.made_from == running.deployer.generation(true)) {
+    return ok();
+  }
+  return refuse({Errc::conflict, "changed_meanwhile"}, running.architecture.name(),
+                "changed, for example by a rollback, while this change was prepared",
+                "try again; mauvectl history shows what came between");
+}
+
 /// "reach/1 (16 bytes)"
 std::string state_of(const MemberReceipt& row) {
   return row.dropped + " (" + std::to_string(row.dropped_bytes) +
@@ -82,6 +92,7 @@ bool may_go_on(Running& running, const Call& call, ChangeRequest& request) {
   }
   auto met = check_conditions(running, call);
   met = met ? may_begin(running, request.change) : met;
+  met = met ? check_made_from(running, request.change) : met;
   const bool stopped = overtaken_by_stop(running, call, request.change) ||
                        (starts_something(request.change) &&
                         stops_of(running.stops, request.change) != request.stops);

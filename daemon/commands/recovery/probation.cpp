@@ -97,20 +97,16 @@ Json on_probation(const Running& running) {
   return all;
 }
 
-/// The generations that rollbacks are taking back.
-std::set<std::uint64_t> going_back(const Running& running) {
-  std::set<std::uint64_t> going;
+/// The generations that are on probation, also those that a rollback takes back.
+std::set<std::uint64_t> unproven_now(const Running& running) {
+  std::set<std::uint64_t> all;
   for (const auto& open : running.deployer.probations()) {
-    if (open.rolls_back) {
-      going.insert(open.generations.begin(), open.generations.end());
-    }
+    all.insert(open.generations.begin(), open.generations.end());
   }
   for (const auto& place : running.places) {
-    if (place.rolls_back || place.failure) {
-      going.insert(place.generation);
-    }
+    all.insert(place.generation);
   }
-  return going;
+  return all;
 }
 
 /// The one that `undo` takes back: the one that made this generation, or the newest for 0. No
@@ -317,7 +313,7 @@ Json to_json(const Probation& probation) {
 }
 
 // A member may fail in the instant of the confirmation: its change is rolled back all the same. The
-// generation that runs then holds what goes back, so no start may use it.
+// generation that runs then holds elements that go back, so no start may use it.
 void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
   if (auto met = check_conditions(running, *call); !met) {
     return answer(running, *call, met.error());
@@ -333,8 +329,8 @@ void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
   }
   const bool done = running.deployer.confirm().has_value();
   const bool places = confirm_places(running);
-  const auto going = going_back(running);
-  const bool whole = going.empty();
+  const auto left = unproven_now(running);
+  const bool whole = left.empty();
   const bool new_code = whole && confirm_unproven(running);
   // Also when nothing else confirms it, such as a start in which a component failed.
   const bool changes = done || places || new_code || (whole && is_saved_unconfirmed(running));
@@ -345,16 +341,16 @@ void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
               {"changed", changes},
               {"confirmed", Json::array()}};
   for (auto& one : confirmed) {
-    if (!going.contains(one["generations"].back().get<std::uint64_t>())) {
+    if (!left.contains(one["generations"].back().get<std::uint64_t>())) {
       result["confirmed"].push_back(std::move(one));
     }
   }
   if (whole) {
     call->confirms = true;  // a power cut must not take it back, so the answer waits for the disk
   } else {
-    say_notes({"generation " + std::to_string(*going.rbegin()) +
-               " is being rolled back, so the generation that runs is not kept for a start: "
-               "mauvectl confirm keeps the one after the rollback"},
+    say_notes({"generation " + std::to_string(*left.rbegin()) +
+               " is not confirmed: it is being rolled back, or another change joins it. So the "
+               "generation that runs is not kept for a start; try again"},
               result);
   }
   answer(running, *call, std::move(result));

@@ -351,8 +351,9 @@ void Deployer::run_for(Duration duration) {
 
 // --- in place: see in_place.h -----------------------------------------------------------------
 
-Result<PreparedChange> Deployer::prepare_in_place(const Edit& edit) {
-  return exec::prepare_in_place(*system_, edit);
+Result<PreparedChange> Deployer::prepare_in_place(const Edit& edit,
+                                                  std::optional<std::uint64_t> made_from) {
+  return exec::prepare_in_place(*system_, edit, made_from);
 }
 
 Result<PreparedChange> Deployer::prepare_back_in_place(std::string_view component,

@@ -62,9 +62,12 @@ std::shared_ptr<Ongoing> begin_mode(System& system, PreparedMember member,
 
 }  // namespace
 
-Result<PreparedChange> prepare_in_place(System& system, const Edit& edit) {
+Result<PreparedChange> prepare_in_place(System& system, const Edit& edit,
+                                        std::optional<std::uint64_t> made_from) {
   MAUVE_ON_THREAD(factory);
-  return prepare_change(system, {{edit}}, false);
+  Change change{{edit}};
+  change.made_from = made_from;
+  return prepare_change(system, change, false);
 }
 
 Result<PreparedChange> prepare_back_in_place(System& system, std::string_view component,

@@ -2,7 +2,9 @@
 /// The steps of a swap in place, see Deployer: prepare, park, exchange, resume.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include <mauve/host/ongoing.h>
@@ -19,7 +21,8 @@ namespace mauve::exec {
 class System;
 
 /// [factory] Makes the elements without configuring them.
-Result<PreparedChange> prepare_in_place(System& system, const Edit& edit);
+Result<PreparedChange> prepare_in_place(System& system, const Edit& edit,
+                                        std::optional<std::uint64_t> made_from);
 /// [factory] The core before, which is configured again.
 Result<PreparedChange> prepare_back_in_place(System& system, std::string_view component,
                                              std::shared_ptr<const Bundle> before,

@@ -86,7 +86,7 @@ class Preparation {
 
   Result<PreparedChange> run(bool configure) {
     content_->revision = system_.revision;
-    content_->made_from = change_.made_from;
+    if (configure) content_->made_from = change_.made_from;  // else the component is parked by then
     content_->what = what_of(change_);
     content_->sets = set_by(change_);
     content_->probation = change_.probation;

@@ -7,6 +7,7 @@
 #include "base/duration.h"
 #include "base/mutex.h"
 #include "exec/system/events.h"
+#include "model/job/log_text.h"
 
 #include <mauve/host/component.h>
 #include <mauve/host/value.h>
@@ -50,23 +51,6 @@ std::string rounded(std::int64_t nanoseconds) {
     return text;
   }
   return {};
-}
-
-std::string to_text(const LogArgument& argument) {
-  return argument.is_number ? to_string(Value(argument.number)) : std::to_string(argument.integer);
-}
-
-/// Each "{}" takes the next argument.
-std::string fill_in(std::string text, const LogArgument& a, const LogArgument& b) {
-  std::size_t from = 0;
-  for (const LogArgument* argument : {&a, &b}) {
-    const auto hole = text.find("{}", from);
-    if (hole == std::string::npos) break;
-    const std::string value = to_text(*argument);
-    text.replace(hole, 2, value);
-    from = hole + value.size();
-  }
-  return text;
 }
 
 /// The state in which it failed, as a clause.

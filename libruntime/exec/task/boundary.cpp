@@ -50,15 +50,17 @@ bool Boundary::serve() {
   if (TaskUpdate* next = task_.mailbox.pending()) {
     if (next->decision->state() == Decision::State::aborted) {
       give_back(*next);
-    } else if (is_early(*next) && task_.mailbox.claim(*next)) {
-      touch(*next);
-      if (!take_early(*next)) return false;
+    } else if (is_early(*next)) {
+      if (!jobs_.let_core_stop(*next)) return false;
+      if (task_.mailbox.claim(*next)) {
+        touch(*next);
+        if (!take_early(*next)) return false;
+      }
     }
   }
-  if (TaskUpdate* back = task_.mailbox.back()) {
-    if (is_early(*back) && task_.mailbox.claim_rollback(*back)) {
-      if (!take_early(*back)) return false;
-    }
+  if (TaskUpdate* back = task_.mailbox.back(); back != nullptr && is_early(*back)) {
+    if (!jobs_.let_core_stop(*back)) return false;
+    if (task_.mailbox.claim_rollback(*back) && !take_early(*back)) return false;
   }
   const bool halts = task_.mailbox.halted() && (task_.running || task_.waiting);
   if (halts && !stand_still()) return false;
@@ -85,29 +87,28 @@ bool Boundary::cross(Instant now) {
     // The coordinator is late: a member at its instant decides for all that nothing happens.
     const Decision::Verdict verdict = next->decision->at_boundary(task_.release);
     if (verdict == Decision::Verdict::aborted) give_back(*next);
-    const bool takes = verdict == Decision::Verdict::take && task_.mailbox.claim(*next);
+    const bool may = verdict == Decision::Verdict::take;
+    if (may && !jobs_.let_core_stop(*next)) return false;
+    const bool takes = may && task_.mailbox.claim(*next);
     if (takes && !take(*next, now)) return false;
   }
-  if (task_.waiting) return true;  // a standby core waits as well
-  TaskUpdate* const other = claim_takeover();
-  return other == nullptr || take(*other, now);
+  return task_.waiting || take_over(now);  // a standby core waits as well
 }
 
-/// Claims the rollback once it was triggered, or the standby core of a core that failed. Null:
-/// neither.
-TaskUpdate* Boundary::claim_takeover() {
+bool Boundary::take_over(Instant now) {
   TaskUpdate* const back = task_.mailbox.back();
   const bool goes_back =
       back != nullptr && back->decision->at_boundary(task_.release) == Decision::Verdict::take;
-  if (goes_back && task_.mailbox.claim_rollback(*back)) return back;
-  if (!task_.failed || faults_.may_roll_back() || task_.failed.is_hopeless()) return nullptr;
+  if (goes_back && !jobs_.let_core_stop(*back)) return false;
+  if (goes_back && task_.mailbox.claim_rollback(*back)) return take(*back, now);
+  if (!task_.failed || faults_.may_roll_back() || task_.failed.is_hopeless()) return true;
   TaskUpdate* const standby = task_.mailbox.standby();
   if (standby == nullptr || task_.release < task_.failed.at() + standby->back_off.count()) {
-    return nullptr;
+    return true;
   }
-  if (!task_.mailbox.claim_standby(*standby)) return nullptr;
+  if (!task_.mailbox.claim_standby(*standby)) return true;
   standby->answer->fault = task_.report.fault();
-  return standby;
+  return take(*standby, now);
 }
 
 void Boundary::drop_missed(Instant now) {
@@ -151,11 +152,6 @@ MAUVE_RUNS_AT_A_SWAP bool Boundary::take(TaskUpdate& next, Instant begin) {
   if (next.mode_only) keep_bundle(next);
   const bool waited = std::exchange(task_.waiting, false);
   task_.running = task_.running || waited;
-  if (next.mode == Mode::park) {
-    taking_ = &next;
-    if (!jobs_.let_core_stop()) return false;
-    taking_ = nullptr;
-  }
   for (const auto& [port, before] : next.safe_writes) write_quietly(*port, *before, true);
   if (next.mode == Mode::park) faults_.write_safe_values();
   // No state is moved out of a core that an abandoned thread may still run.
@@ -225,7 +221,7 @@ void Boundary::finish_taking() {
   TaskUpdate* const next = std::exchange(taking_, nullptr);
   if (next == nullptr) return;
   take_rest(*next);
-  next->answer->failed = next->hand_over.convert != nullptr;
+  next->answer->failed = true;
 }
 
 /// Lets a running task wait, and a waiting one go on. Other tasks are not affected.
@@ -363,12 +359,10 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::acknowledge() {
   applied->answer->progress.store(TaskUpdate::Progress::done, std::memory_order_release);
 }
 
-/// The task stands still from now on, with its safe values written.
 bool Boundary::stand_still() {
-  const bool runs = task_.running || task_.waiting;
-  task_.running = runs;
-  task_.waiting = false;
   if (!jobs_.let_core_stop()) return false;
+  const bool runs = task_.running || task_.waiting;
+  task_.waiting = false;
   task_.failed.forget();
   faults_.write_safe_values();
   if (runs) task_.park(ComponentState::stopped);

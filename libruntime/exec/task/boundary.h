@@ -47,7 +47,9 @@ class Boundary {
 
  private:
   [[nodiscard]] bool is_early(const TaskUpdate& next) const;
-  [[nodiscard]] TaskUpdate* claim_takeover();
+  /// Takes the rollback once it was triggered, or the standby core of a core that failed. False:
+  /// see cross().
+  [[nodiscard]] bool take_over(Instant now);
   /// `begin`: when the job that the change delays would have begun. False: see cross().
   [[nodiscard]] bool take(TaskUpdate& next, Instant begin);
   [[nodiscard]] bool take_early(TaskUpdate& next);
@@ -64,13 +66,14 @@ class Boundary {
   void start(const TaskUpdate& next);
   void keep_phase(const TaskUpdate& next);
   void give_back(TaskUpdate& next);
+  /// The task stands still from now on, with its safe values written. False: see cross().
   [[nodiscard]] bool stand_still();
 
   TaskContext& task_;
   FaultReaction& faults_;
   JobRunner& jobs_;
   TaskUpdate* unacknowledged_ = nullptr;  // applied, not yet answered
-  TaskUpdate* taking_ = nullptr;          // its converter runs, or the core that it stops is told
+  TaskUpdate* taking_ = nullptr;          // its converter runs
   rt::Fault hand_over_fault_;             // of the last converter
 };
 

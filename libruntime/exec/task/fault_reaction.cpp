@@ -107,6 +107,7 @@ void FaultReaction::fail(Cause cause) {
   task_.arm(task_.release + task_.wait.count());
 }
 
+/// Counts the failure and records it for status, trace and log.
 void FaultReaction::report(Cause cause) {
   add<std::uint64_t>(task_.report.counters().faults, 1);
   record(cause);

@@ -30,8 +30,6 @@ class FaultReaction {
   void fail_as_hung();
   /// Writes the details of user code that crashed, that ran too long, or that threw this.
   Cause describe(const rt::Fault& fault, bool hung, const std::array<char, 128>& thrown);
-  /// Counts a failure and records it for status, trace and log. The record holds the text already.
-  void report(Cause cause);
   /// fail() for a converter that did not end in order; it writes the safe values and the details
   /// itself. The new core is in force, with a state that may be half written.
   void fail_in_hand_over(const rt::Fault& fault);
@@ -64,6 +62,7 @@ class FaultReaction {
   [[nodiscard]] bool awaits_rollback() const;
   void describe_hang();
   void record(Cause cause);
+  void report(Cause cause);
   void log_fault(Cause cause);
 
   TaskContext& task_;

@@ -108,7 +108,11 @@ void JobRunner::leave_job() {
   job.running = false;
 }
 
-/// No job is counted, and no release passes: the component has run its last one.
+bool JobRunner::let_core_stop(const TaskUpdate& next) {
+  return next.mode != Mode::park || let_core_stop();
+}
+
+/// As a last job, but no release passes and no time is accounted for.
 bool JobRunner::let_core_stop() {
   const CoreBase* const core = task_.current->bundle->core.get();
   if (!task_.running || task_.failed || core == task_.abandoned_core) return true;
@@ -125,10 +129,7 @@ bool JobRunner::let_core_stop() {
   JobEnd end{*this, now};
   rt::Fault fault;
   const bool ours = run_watched(&JobEnd::stop, end, now, fault);
-  const bool hung = fault.interrupted || (!fault.happened() && task_.watch.is_interrupted(now));
-  if (ours && (hung || fault.happened() || end.threw)) {
-    faults_.report(faults_.describe(fault, hung, end.text));
-  }
+  if (ours) static_cast<void>(fail_for(now, end, fault));
   leave_job();
   return ours;
 }
@@ -157,13 +158,18 @@ void JobRunner::begin(Instant now) {
                     bundle.task.budget > Duration{0});
 }
 
-void JobRunner::conclude(Instant start, const JobEnd& end, const rt::Fault& fault) {
+/// Code of the core that began at `start` is over. True: it failed.
+bool JobRunner::fail_for(Instant start, const JobEnd& end, const rt::Fault& fault) {
   // The guard may also cut a sleep short, after which the job ends like a healthy one.
   const bool hung = fault.interrupted || (!fault.happened() && task_.watch.is_interrupted(start));
-  if (fault.happened() || end.threw || hung) {
-    faults_.write_safe_values();  // before any record
-    faults_.fail(faults_.describe(fault, hung, end.text));
-  } else {
+  if (!fault.happened() && !end.threw && !hung) return false;
+  faults_.write_safe_values();  // before any record
+  faults_.fail(faults_.describe(fault, hung, end.text));
+  return true;
+}
+
+void JobRunner::conclude(Instant start, const JobEnd& end, const rt::Fault& fault) {
+  if (!fail_for(start, end, fault)) {
     task_.state = end.state;
     task_.report.counters().fsm_state.store(static_cast<std::uint32_t>(end.state->index()),
                                             std::memory_order_relaxed);

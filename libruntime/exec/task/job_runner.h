@@ -18,6 +18,7 @@ namespace exec {
 class FaultReaction;
 struct JobUse;
 struct TaskContext;
+struct TaskUpdate;
 
 class JobRunner {
  public:
@@ -29,6 +30,9 @@ class JobRunner {
   /// Tells a core that runs and has not failed that its component stops; the rules of a job hold.
   /// False: as of run().
   [[nodiscard]] bool let_core_stop();
+  /// The same when this update stops it. The task claims the update afterwards: a hang in this code
+  /// is a hang of a job, and the update waits for the next thread.
+  [[nodiscard]] bool let_core_stop(const TaskUpdate& next);
   /// The first call on a thread that replaces an abandoned one: writes the safe values and records
   /// the fault of the abandoned job.
   void go_on();
@@ -41,6 +45,7 @@ class JobRunner {
   /// and `end` have its outcome.
   [[nodiscard]] bool run_watched(void (*code)(void*), JobEnd& end, Instant now, rt::Fault& fault);
   void leave_job();
+  [[nodiscard]] bool fail_for(Instant start, const JobEnd& end, const rt::Fault& fault);
   void conclude(Instant start, const JobEnd& end, const rt::Fault& fault);
   [[nodiscard]] FsmState* run_states(JobEnd& job);
   void account(Instant start, const JobEnd& job);

@@ -29,11 +29,12 @@ class CoreBase : public Configurable {
  protected:
   [[nodiscard]] Shell& bound_shell() const { return *shell_; }  ///< of the component or resource
 
-  /// The component stops: its last job is over, and the safe values of its ports are written next.
-  /// A request, a rule, a change in place, a removal and the end of mauved stop a component. A fault
-  /// and a core that takes over do not call it, and resources have no stop. The rules of a job hold:
-  /// no heap, no wait, and the watchdog ends it when it takes too long. The component stands then,
-  /// also when it fails. [rt]
+  /// The component stops: this is its last job, and the safe values of its ports are written next.
+  /// A request, a rule, a change in place, a removal and the end of mauved stop a component. A
+  /// fault, too many late jobs, a core that takes over, and a stop at a barrier do not call it. The
+  /// rules of a job hold: no heap, no wait, and the watchdog ends it. A failure in it is a fault of
+  /// the core, and the component stops all the same. Analysis and admission do not count its time.
+  /// [rt]
   virtual void on_stop() {}
 
  private:

@@ -122,11 +122,12 @@ class Warning final : public ObservableBase {
   /// `text` describes the condition for people; both are literals.
   Warning(Configurable& owner, std::string_view name, std::string_view text = {});
 
-  /// It lasts from now on. `reason` is a literal, which may show two arguments in the log. While it
-  /// lasts, another reason replaces the one that `status` shows, without a line in the log. [rt]
+  /// It lasts from now on. `reason` is a literal, which may show two arguments. While it lasts,
+  /// another reason, or another argument, replaces the one that `status` shows, without a line in
+  /// the log. [rt]
   template <std::size_t N>
   void begin(const char (&reason)[N], LogArgument a = {}, LogArgument b = {}) {
-    reason_.store(reason, std::memory_order_relaxed);
+    keep(reason, a, b);
     if (change(true)) log(LogLevel::warning, reason, a, b);
   }
   /// It is over, as `said` tells the log. Nothing happens if it does not last. [rt]
@@ -138,16 +139,25 @@ class Warning final : public ObservableBase {
   [[nodiscard]] bool lasts() const {
     return bits_.load(std::memory_order_relaxed) != 0;
   }  ///< [any]
-  /// Empty: the core before gave it. [any]
-  [[nodiscard]] std::string_view reason() const;
+  /// With its arguments. Empty: the core before gave it. [any but rt]
+  [[nodiscard]] std::string reason() const;
   /// True while it lasts. [any but rt]
   [[nodiscard]] Value value() const override;
 
  private:
   /// True: it was otherwise.
   bool change(bool lasts);
+  void keep(const char* reason, const LogArgument& a, const LogArgument& b);
 
+  /// A LogArgument that any thread may read while a job writes it.
+  struct Argument {
+    std::atomic<bool> is_number{false};
+    std::atomic<std::int64_t> integer{0};
+    std::atomic<double> number{0.0};
+  };
   std::atomic<const char*> reason_{nullptr};
+  Argument a_;
+  Argument b_;
 };
 
 }  // namespace mauve

@@ -15,11 +15,16 @@ namespace mauve {
 
 namespace {
 
+unsigned places_for(const DataType& data) {
+  const bool large = data.size > SharedDataBase::kLarge;
+  return large ? SharedDataBase::kReadersOfLarge : SharedDataBase::kReaders;
+}
+
 /// The exchange lives in the core: it is the inner data of the resource.
 class SharedDataCore final : public CoreBase, public ValueStore {
  public:
   SharedDataCore(const DataType& data, std::shared_ptr<void> library)
-      : data_(data), library_(std::move(library)), exchange_(data.size, SharedDataBase::kReaders) {}
+      : data_(data), library_(std::move(library)), exchange_(data.size, places_for(data)) {}
 
   [[nodiscard]] const DataType& data() const override { return data_; }
   void each(const Visit& visit) const override {

@@ -12,7 +12,8 @@ int main() {
   std::ofstream("lit.csv") << "time_s,lamp.read.on\n1.0,false\n1.5,true\n";
   mauve::CoreBench<drivers::PlaybackShell<blink::Lit>, drivers::Playback<blink::Lit>> bench;
   if (!bench.core().find_property("recording")->set(mauve::Value("lit.csv"))) return 1;
-  if (const auto done = bench.configure(); !done) return std::puts(to_string(done.error()).c_str()), 2;
+  if (const auto done = bench.configure(); !done)
+    return std::puts(to_string(done.error()).c_str()), 2;
   const auto lit_after = [&bench](std::chrono::milliseconds later) {
     bench.advance(later);
     bench.core().update();

@@ -46,7 +46,7 @@ TEST_F(WhatACoreShows, IsAWarningFromItsBeginToItsEnd) {
   const Instant began = core().silent.written();
 
   run_jobs(3);
-  EXPECT_EQ(core().silent.reason(), "the device sends rubbish, {} bytes");
+  EXPECT_EQ(core().silent.reason(), "the device sends rubbish, 12 bytes");
   EXPECT_EQ(core().silent.written(), began) << "it lasts since it began";
 
   run_jobs(2);

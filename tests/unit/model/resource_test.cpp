@@ -267,6 +267,24 @@ TEST(SharedData, ServesMoreReadersThanItHasSlots) {
   }
 }
 
+struct LargeValue {
+  std::array<char, SharedDataBase::kLarge + 1> bytes{};
+  static constexpr std::string_view type_name = "large/1";
+  static constexpr auto fields() { return std::tuple{field("bytes", &LargeValue::bytes)}; }
+};
+TEST(SharedData, OfALargeValueServesMoreReadersThanItHasSlotsToo) {
+  const auto value = std::make_unique<LargeValue>(LargeValue{{7}});
+  SharedDataBase data("data", data_type<LargeValue>());
+  data.write_service().write(value.get());
+  for (unsigned reader = 0; reader < SharedDataBase::kReadersOfLarge + 2; ++reader) {
+    Cursor cursor;
+    cursor.slot = data.read_service().attach();
+    *value = {};
+    EXPECT_EQ(data.read_service().read(value.get(), cursor), DataStatus::new_data);
+    EXPECT_EQ(value->bytes.front(), 7);
+  }
+}
+
 TEST(SharedData, TakesNoValueByItsServiceWhileItIsPoisoned) {
   SharedDataBase data("data", data_type<double>());
   const double first = 7.0;

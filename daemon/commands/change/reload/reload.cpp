@@ -158,11 +158,12 @@ Status put_in_books(Running& running, const CallPtr& call, Reload& reload) {
   if (auto handed = hand_names_over(running, reload); !handed) {
     return handed;
   }
-  reload.answer = std::make_shared<ReloadAnswer>(std::move(call->reply));
-  call->reply = [whole = reload.answer](server::Outcome receipt) {
+  reload.answer = std::make_shared<ReloadAnswer>(call->reply);
+  auto booked = *call;  // a deadline may answer the call itself meanwhile
+  booked.reply = [whole = reload.answer](server::Outcome receipt) {
     whole->receipt(std::move(receipt));
   };
-  answer(running, *call, result_of(running, reload));
+  answer(running, booked, result_of(running, reload));
   return ok();
 }
 
@@ -184,12 +185,12 @@ void end(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket,
   const bool kept = reload->receipt && reload->change.probation;
   running.control.in_factory(
       [&running, reload, whole] { free_old(running, *reload, whole != nullptr); },
-      [&running, reload, whole, kept, ticket = std::move(ticket)] {
+      [&running, call, reload, whole, kept, ticket = std::move(ticket)] {
         if (whole != nullptr) {
           finish(running, reload->name, *whole, reload->unmapped, kept);
         }
       },
-      [&running, plugin = reload->name, whole, kept](const std::string& hook) {
+      [&running, call, plugin = reload->name, whole, kept](const std::string& hook) {
         if (whole != nullptr) {
           finish(running, plugin, *whole,
                  {false, "an abandoned thread is still in it" + (hook.empty() ? "" : ": " + hook)},

@@ -33,7 +33,7 @@ class NewBuild final : public ChangeHooks {
     if (auto found = take_new_types(**loaded_, change); !found) {
       return found.error();
     }
-    return running_.deployer.prepare_in_place(change.edits.front());
+    return running_.deployer.prepare_in_place(change.edits.front(), change.made_from);
   }
 
   Status check_prepared(PreparedChange& change) override {

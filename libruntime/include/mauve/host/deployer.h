@@ -190,8 +190,10 @@ class Deployer {
   /// Resumes the component, with the old core if `exchanged` is an error. [control]
   Result<std::shared_ptr<Ongoing>> begin_in_place_resume(PreparedChange& change,
                                                          const Status& exchanged);
-  /// Step 1 of a swap in place: makes the elements but does not configure them. [factory]
-  Result<PreparedChange> prepare_in_place(const Edit& edit);
+  /// Step 1 of a swap in place: makes the elements but does not configure them. `made_from`: see
+  /// Change. [factory]
+  Result<PreparedChange> prepare_in_place(const Edit& edit,
+                                          std::optional<std::uint64_t> made_from = {});
   /// Step 1 of the rollback: to the core and state machine that a swap in place cleaned up, in the
   /// bundle that the component had before. A component that has faulted runs again afterwards. The
   /// state goes along where the core before takes it. `type`: of the component before, where the

@@ -2,6 +2,7 @@
 /// SharedData: the latest value of one type, with services `read` and `write`.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -13,11 +14,15 @@ namespace mauve {
 struct DataType;
 
 /// Type "shared_data" of the architecture file. Reads are wait-free for the first readers
-/// connected (`kReaders` slots, one of them the administrator's), and writes for the first writer
-/// connected; further readers and writers acquire the resource's lock. It keeps 21 values.
+/// connected, and writes for the first writer connected; further readers and writers acquire the
+/// resource's lock. One place of the readers is the administrator's. It keeps 2 n + 5 values for n
+/// places: 21, and of a large value 9.
 class SharedDataBase : public ResourceBase {
  public:
   static constexpr unsigned kReaders = 8;  ///< places of readers that never wait
+  /// The places for a value of more than kLarge bytes, such as a map.
+  static constexpr unsigned kReadersOfLarge = 2;
+  static constexpr std::size_t kLarge = 256UL * 1024UL;  ///< bytes
 
   /// Readers get `initial` before the first write; null: no data.
   SharedDataBase(std::string name, const DataType& data, const void* initial = nullptr,
