@@ -268,7 +268,7 @@ TEST(SharedData, ServesMoreReadersThanItHasSlots) {
 }
 
 struct LargeValue {
-  std::array<char, SharedDataBase::kLarge + 1> bytes{};
+  std::array<std::uint8_t, SharedDataBase::kLarge + 1> bytes{};
   static constexpr std::string_view type_name = "large/1";
   static constexpr auto fields() { return std::tuple{field("bytes", &LargeValue::bytes)}; }
 };
