@@ -97,8 +97,7 @@ class Building {
 
   std::unique_ptr<OccupancyGrid> grid_ = std::make_unique<OccupancyGrid>();
   std::unique_ptr<world::Walls> walls_ = std::make_unique<world::Walls>();
-  std::unique_ptr<navigation::Planner> planner_ =
-      std::make_unique<navigation::Planner>(1024UL * 1024UL);
+  std::unique_ptr<navigation::Planner> planner_ = std::make_unique<navigation::Planner>();
 };
 
 /// The state machine of navigation/navigation, on the way.
