@@ -30,7 +30,7 @@ class StormOracle {
     const std::lock_guard lock(mutex_);
     return note_(text);
   }
-  /// The place of a look, which is not told.
+  /// The place of a read request, which is no event of the storm.
   Moment tick() {
     const std::lock_guard lock(mutex_);
     return ++now_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The users of a storm: each asks over a connection of its own, and tells the oracle.
+/// The users of a storm. Each has a connection of its own, and reports to the oracle.
 #pragma once
 
 #include <chrono>
@@ -76,7 +76,7 @@ class StormCounts {
   std::map<std::string, int> counts_;
 };
 
-/// A connection of a user, who tells the oracle what is asked and answered.
+/// A user with its connection. It reports each request and each answer to the oracle.
 class StormUser {
  public:
   static constexpr std::chrono::seconds kLongestAnswer{60};
@@ -84,7 +84,7 @@ class StormUser {
   StormUser(const TrialDaemon& daemon, StormOracle& oracle, StormCounts& counts, std::string name)
       : daemon_(daemon), oracle_(oracle), counts_(counts), name_(std::move(name)) {}
 
-  /// False: nobody is there, or no place is free.
+  /// False: mauved does not listen, or has no free connection.
   [[nodiscard]] bool connect() {
     client_ = std::make_unique<RawClient>(daemon_.socket());
     const auto greeting = client_->connected() ? client_->json() : Json();
@@ -122,7 +122,7 @@ class StormUser {
     tell(request, answer, outcome);
     return answer.value("result", Json::object());
   }
-  /// A look; nothing of it is told.
+  /// A read request, which the oracle does not hear of.
   Json look(const std::string& method, const Json& params = Json::object()) {
     return exchange({method, params}).value("result", Json::object());
   }

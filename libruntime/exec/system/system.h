@@ -124,7 +124,7 @@ class System {
   [[nodiscard]] std::uint64_t generation_before_stops() const {
     return generation == stopped ? before_stops : generation;
   }
-  /// Refuses a change that was made from what was in force before another change or a rollback.
+  /// Refuses a change whose generation `made_from` is not in force any more; stops do not count.
   [[nodiscard]] Status check_made_from(const std::optional<std::uint64_t>& made_from) const;
   /// No stop by a user stands. [control]
   [[nodiscard]] bool may_run(std::string_view component) const {

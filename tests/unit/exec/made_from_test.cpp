@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// A change may be made from what is in force, for example from the difference between a file and
-// the running system. It is refused when a rollback, or another change, has come since.
+// A change may name the generation that it was made from: the difference between a file and the
+// running system does. The deployer refuses it when a rollback or another change has come since.
 #include <gtest/gtest.h>
 
 #include "support/ramp.h"

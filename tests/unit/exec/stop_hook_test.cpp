@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// A core is told that its component stops: once, after its last job, before the safe values of its
-// ports. Each orderly way to a stop does that, and no other way. The component stands then, also
-// when the core throws or hangs.
+// The runtime calls on_stop() of a core once for each orderly stop of its component. The call comes
+// after the last job, and before the safe values of the ports. The component stands then, also when
+// the core throws or hangs.
 #include <gtest/gtest.h>
 
 #include <stdexcept>
