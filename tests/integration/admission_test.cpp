@@ -58,10 +58,12 @@ TEST(Analyze, ShowsTheNoiseOfTheMachineBesideWhatIsAssumed) {
     return measured.size() == 1U && measured[0]["count"] > 10;
   })) << "both components run on CPU 0";
 
-  EXPECT_NEAR(measured[0]["beyond"].get<double>(), measured[0]["count"].get<double>(), 1)
-      << "no thread wakes up within 1 ns";
+  EXPECT_LE(measured[0]["beyond"], measured[0]["count"]);
   EXPECT_GE(measured[0]["worst_ns"], measured[0]["p50_ns"]);
-  EXPECT_THAT(daemon.ask("system.analyze")["notes"].dump(), HasSubstr("100 % of")) << "and says so";
+  // No thread wakes up within 1 ns; wake-ups that are counted during the look may be missing.
+  EXPECT_TRUE(eventually([&] {
+    return daemon.ask("system.analyze")["notes"].dump().find("; 100 % of ") != std::string::npos;
+  })) << "and says so";
 }
 
 TEST(StrictAdmission, NamesTheAssumptionWhereItDecidesAndStartAndCheckAgree) {

@@ -54,7 +54,7 @@ void NoiseOfCpu::add(Instant due, Instant ran) {
   const Instant late = ran - due;
   block.late.add(late);
   if (late > assumed_.count()) {
-    block.beyond.store(block.beyond.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+    block.beyond.store(block.beyond.load(std::memory_order_relaxed) + 1, std::memory_order_release);
   }
   if (late > worst_.load(std::memory_order_relaxed)) {
     worst_.store(late, std::memory_order_relaxed);
@@ -74,8 +74,11 @@ WakeNoise NoiseOfCpu::look(Instant now) const {
     const Instant since = block.since.load(std::memory_order_relaxed);
     if (since == 0) continue;
     oldest = std::min(oldest, since);
-    merge(seen.late, block.late.look());
-    seen.beyond += block.beyond.load(std::memory_order_relaxed);
+    // A wake-up is counted in `late` first, so this order never shows more of them in `beyond`.
+    const std::uint64_t beyond = block.beyond.load(std::memory_order_acquire);
+    const Distribution late = block.late.look();
+    seen.beyond += std::min(beyond, late.count);  // the block may have been cleared in between
+    merge(seen.late, late);
   }
   seen.span = Duration{now - oldest};
   seen.worst = Duration{worst_.load(std::memory_order_relaxed)};

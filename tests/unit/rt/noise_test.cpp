@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "rt/machine/noise.h"
 
+#include <atomic>
+#include <thread>
+
 #include <gtest/gtest.h>
 
 #include "support/eventually.h"
@@ -49,6 +52,25 @@ TEST(NoiseOfCpu, ForgetsAllButTheWorstAfterTwoMinutes) {
   EXPECT_GE(seen.late.count, 60U) << "at least the last minute";
   EXPECT_EQ(seen.worst, 5ms);
   EXPECT_GE(seen.worst_ago, 150s);
+}
+
+TEST(NoiseOfCpu, NeverShowsMoreLateWakeUpsThanWakeUps) {
+  NoiseOfCpu noise(1us);
+  std::atomic<bool> over{false};
+  std::thread probe([&] {
+    // A second apart, so that blocks are cleared under the looks too.
+    for (int n = 0; !over; ++n) noise.add(kBegin + n * kSecond, kBegin + n * kSecond + 30'000);
+  });
+
+  for (int look = 0; look < 20'000; ++look) {
+    const WakeNoise seen = noise.look(kBegin);
+    if (seen.beyond <= seen.late.count) continue;
+    ADD_FAILURE() << seen.beyond << " of " << seen.late.count;
+    break;
+  }
+
+  over = true;
+  probe.join();
 }
 
 TEST(NoiseOfCpu, ReportsForHowLongTheProbeWasHeldUp) {
