@@ -113,6 +113,8 @@ struct Running {
   /// [control] When the last such stop of each component was received. A change that was received
   /// earlier, but is served after the stop, is refused if it starts the component.
   std::map<std::string, std::chrono::steady_clock::time_point> stops_came = {};
+  /// [control] Components that [stop] stopped for the end of mauved.
+  std::set<std::string, std::less<>> stopped_by_end = {};
   UserStops* user_stops = nullptr;  ///< [control] what users have stopped; null: no list
   /// [control] Cores that were rolled back, by version, and why: see recovery/quarantine.h.
   std::map<std::string, std::string> quarantined = {};

@@ -70,8 +70,8 @@ class Observing final : public exec::Runner {
   }
   bool end(exec::Task& task, Instant deadline) override { return threads_->end(task, deadline); }
   void look_again() override { threads_->look_again(); }
-  [[nodiscard]] bool has_abandoned(const exec::Task* task) const override {
-    return threads_->has_abandoned(task);
+  [[nodiscard]] bool has_abandoned(const exec::Task* task, const CoreBase* core) const override {
+    return threads_->has_abandoned(task, core);
   }
 
   /// Of the last attempt: from the first store until the decision, and from there until the last

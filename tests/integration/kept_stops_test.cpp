@@ -57,6 +57,31 @@ TEST_F(KeptStop, SoonAfterAStartHoldsWhenTheFileIsStarted) {
   EXPECT_EQ(daemon.component("second")["state"], "stopped") << "also after an orderly end";
 }
 
+/// mauved answers, and saves, a change that is decided although it has been asked to end.
+TEST_F(KeptStop, IsNoneThatTheEndOfMauvedMakes) {
+  TrialDaemon daemon(kTrial, options());
+  for (int delay = 0; delay < 8; ++delay) {
+    ASSERT_EQ(daemon.ask("change.confirm")["saved"], true) << "so that a start continues with it";
+    static_cast<void>(daemon.ask("component.stop", kSecond));
+    RawClient client(daemon.socket());
+    const auto start = protocol::make_request(1, "component.start", kSecond);
+    ASSERT_TRUE(client.send(protocol::to_line(start) + '\n'));
+    std::this_thread::sleep_for(std::chrono::milliseconds(delay));  // in each phase of the change
+
+    daemon.process().signal(SIGTERM);
+    ASSERT_EQ(daemon.process().wait(), 0) << daemon.errors();
+    static_cast<void>(place_.write("state/continue", ""));
+    daemon.start();
+
+    ASSERT_TRUE(eventually([&] { return daemon.component("first")["releases"] > 0; }))
+        << daemon.component("first") << daemon.errors();
+    const Json lines = daemon.ask("config.history");
+    for (const Json& one : lines["items"]) {
+      EXPECT_NE(one.value("command", ""), "") << "the end makes no generation: " << one;
+    }
+  }
+}
+
 TEST_F(KeptStop, OfAFaultedComponentHolds) {
   auto architecture = Json::parse(std::string(kTrial));
   architecture["components"]["second"]["core"] = "trial/throwing_job";

@@ -386,7 +386,9 @@ arch::Parked parked_now(const Running& running) {
   MAUVE_ON_THREAD(control);
   std::set<std::string, std::less<>> parked;
   for (const auto& one : running.deployer.status()) {
-    if (one.state == ComponentState::stopped || one.stopping) {
+    // A change may be answered, and saved, when the end of mauved has stopped all components.
+    const bool ended = one.ran_until_end || running.stopped_by_end.contains(one.name);
+    if (!ended && (one.state == ComponentState::stopped || one.stopping)) {
       parked.insert(one.name);
     }
   }

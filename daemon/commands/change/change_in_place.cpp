@@ -24,7 +24,8 @@ void end_in_place(Running& running, const CallPtr& call, ChangeRequestPtr reques
   const auto& probation = request->change.probation;
   const bool in_force = receipt || receipt.error().code == Errc::partly;
   if (in_force && probation) {
-    begin_place_probation(running, *call, name, request->before, *probation);
+    const auto made = receipt ? receipt->generation : running.deployer.generation();
+    begin_place_probation(running, *call, made, name, request->before, *probation);
   } else if (in_force) {
     begin_unproven(running, *call, {request->before.failure});
   }

@@ -111,6 +111,7 @@ void abandon(Running& running, const PlaceProbation& place, const std::string& h
 }
 
 void resume(Running& running, RollbackPtr way, Ticket ticket) {
+  const FromLookToAct still(running);
   auto& change = **way->prepared;
   const auto& place = way->place;
   if (!way->starts || stops_of_component(running, place.component) != place.failure->stops) {
@@ -143,6 +144,7 @@ void park(Running& running, RollbackPtr way, Ticket ticket) {
     const Status refused = way->prepared->error();
     return end(running, std::move(way), std::move(ticket), refused);
   }
+  const FromLookToAct still(running);
   way->starts = !is_at_rest(running, way->place);
   auto parking = running.deployer.begin_in_place_park(**way->prepared);
   when_answered(running, std::move(parking),
@@ -240,17 +242,18 @@ std::optional<Incident> failure_since(const Running& running, const FailureMark&
   return incident && incident->time != mark.before ? std::move(incident) : std::nullopt;
 }
 
-void begin_place_probation(Running& running, Call& call, const std::string& component,
-                           CoreBefore before, const Probation& rules) {
+void begin_place_probation(Running& running, Call& call, std::uint64_t generation,
+                           const std::string& component, CoreBefore before,
+                           const Probation& rules) {
   MAUVE_ON_THREAD(control);
   call.mark = Confirmation::unconfirmed;
   const auto* found = running.architecture.find_component(component);
   if (found == nullptr) {
     return;
   }
-  running.places.push_back(
-      {running.deployer.generation(), component, rules, std::chrono::steady_clock::now(),
-       running.deployer.status(component).releases, std::move(before), found->bundle()});
+  running.places.push_back({generation, component, rules, std::chrono::steady_clock::now(),
+                            running.deployer.status(component).releases, std::move(before),
+                            found->bundle()});
 }
 
 void look_at_places(Running& running) {

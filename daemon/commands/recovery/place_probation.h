@@ -68,9 +68,9 @@ struct PlaceProbation {
   bool rolls_back = false;
 };
 
-/// [control] The swap in place is in force.
-void begin_place_probation(Running& running, Call& call, const std::string& component,
-                           CoreBefore before, const Probation& rules);
+/// [control] The swap in place is in force, and made this generation.
+void begin_place_probation(Running& running, Call& call, std::uint64_t generation,
+                           const std::string& component, CoreBefore before, const Probation& rules);
 
 /// [control] Some times a second: whether a swap in place has failed, proved itself, or was
 /// overtaken by a newer change of its component.

@@ -367,7 +367,7 @@ std::shared_ptr<Ongoing> Deployer::begin_in_place_park(PreparedChange& change) {
 }
 
 Status Deployer::in_place_exchange(PreparedChange& change) {
-  return exec::in_place_exchange(change);
+  return exec::in_place_exchange(*system_, change);
 }
 
 Result<std::shared_ptr<Ongoing>> Deployer::begin_in_place_resume(PreparedChange& change,

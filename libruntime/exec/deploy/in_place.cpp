@@ -12,6 +12,7 @@
 #include "exec/observe/component_status.h"
 #include "exec/prepare/prepare.h"
 #include "exec/recovery/inherit.h"
+#include "exec/swap/rewired.h"
 #include "exec/system/report_control.h"
 #include "model/element/elements.h"
 #include "model/element/hand_over.h"
@@ -47,6 +48,15 @@ ComponentState state_of(System& system, const ComponentBase& component) {
                                                           : look_at(system, *deployed).state;
 }
 
+/// The clean-up of a core beside a job that is still in it would pull its device from under it.
+Status check_nobody_inside(const System& system, PreparedChange& change) {
+  const PreparedMember& member = change.content().members.front();
+  if (!system.runner->has_abandoned(nullptr, member.base->core.get())) return ok();
+  return refuse({Errc::wrong_state, "component_abandoned"}, member.component->name(),
+                "a job that did not return is still in its core, so the core is not cleaned up",
+                "wait until the job has returned, or restart mauved when the robot stands");
+}
+
 /// A step that leaves everything as it is but for the mode, and makes no generation.
 std::shared_ptr<Ongoing> begin_mode(System& system, PreparedMember member,
                                     bool ends_probation = false) {
@@ -67,7 +77,10 @@ Result<PreparedChange> prepare_in_place(System& system, const Edit& edit,
   MAUVE_ON_THREAD(factory);
   Change change{{edit}};
   change.made_from = made_from;
-  return prepare_change(system, change, false);
+  auto prepared = prepare_change(system, change, false);
+  if (!prepared) return prepared;
+  if (Status free = check_nobody_inside(system, *prepared); !free) return free.error();
+  return prepared;
 }
 
 Result<PreparedChange> prepare_back_in_place(System& system, std::string_view component,
@@ -97,6 +110,7 @@ Result<PreparedChange> prepare_back_in_place(System& system, std::string_view co
   content->members.push_back(std::move(member));
   content->in_place = true;
   content->what = what_of("core.swap", {std::string(component)});
+  if (Status sound = rewired(system.architecture, *content).check(); !sound) return sound.error();
   return make_prepared(system.architecture, std::move(content));
 }
 
@@ -116,8 +130,9 @@ std::shared_ptr<Ongoing> begin_in_place_park(System& system, PreparedChange& cha
   return begin_mode(system, std::move(step), true);
 }
 
-Status in_place_exchange(PreparedChange& change) {
+Status in_place_exchange(System& system, PreparedChange& change) {
   const PreparedMember& member = change.content().members.front();
+  if (Status free = check_nobody_inside(system, change); !free) return free;
   const Elements old = elements_of(*member.base, *member.next);
   const Inside inside;
   if (!inside)
@@ -146,7 +161,7 @@ Result<std::shared_ptr<Ongoing>> begin_in_place_resume(System& system, PreparedC
   const Mode mode = member.resume ? Mode::run : Mode::keep;
   if (!exchanged) {
     const bool old_is_usable = member.component->bundle()->core->configured();
-    if (!old_is_usable) return exchanged.error();
+    if (!old_is_usable || member.restores) return exchanged.error();  // never back to what failed
     PreparedMember step = member_of(*member.component, mode);
     step.count_gap = member.resume;
     return begin_mode(system, std::move(step));

@@ -167,6 +167,7 @@ void Stop::park_free() {
       names.push_back(deployed->component->name());
       content->members.push_back(member_of(*deployed->component, Mode::park));
       deployed->parking = true;
+      deployed->ran_until_end = !system_.up;
     } else {
       deployed->task->outputs().stand();  // its orders once more
     }
@@ -174,6 +175,7 @@ void Stop::park_free() {
   });
   if (content->members.empty()) return;
   content->what = what_of("component.stop", names);
+  content->step = !system_.up;  // the system that ends is the one that a start continues
   PreparedChange change(std::move(content));
   commits_.push_back(begin_commit(system_, change, TwoPhaseCommit::Kind::unconditional, patience_));
 }
@@ -188,7 +190,10 @@ bool Stop::parked() {
   if (!commits_.empty()) return false;
   if (waiting_.empty()) return true;
   if (system_.runner->now() < patient_until_) return false;
-  for (Deployed* deployed : waiting_) stop_waiting_for(*deployed);
+  for (Deployed* deployed : waiting_) {
+    deployed->ran_until_end = !system_.up && !deployed->parking;
+    stop_waiting_for(*deployed);
+  }
   std::erase_if(waiting_, [](const Deployed* deployed) { return deployed->parking; });
   return true;
 }
@@ -196,7 +201,7 @@ bool Stop::parked() {
 void Stop::take_answer(const Commit& commit) {
   const Receipt& part = commit.receipt();
   receipt_.state = ChangeState::applied;
-  receipt_.generation = system_.generation;
+  receipt_.generation = std::max(receipt_.generation, part.generation);
   receipt_.commit = std::max(receipt_.commit, part.commit);
   receipt_.attempts = std::max(receipt_.attempts, part.attempts);
   receipt_.components.insert(receipt_.components.end(), part.components.begin(),

@@ -71,6 +71,7 @@ ComponentStatus look_at(const System& system, const Deployed& deployed) {
   status.realtime = deployed.realtime;
   status.changing = deployed.changing;
   status.stopping = deployed.parking;
+  status.ran_until_end = deployed.ran_until_end;
   status.releases = counters.releases.load(std::memory_order_relaxed);
   status.missed = counters.missed.load(std::memory_order_relaxed);
   status.overruns = counters.overruns.load(std::memory_order_relaxed);

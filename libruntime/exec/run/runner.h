@@ -16,6 +16,10 @@
 #include <mauve/host/machine.h>
 #include <mauve/result.h>
 
+namespace mauve {
+class CoreBase;
+}  // namespace mauve
+
 namespace mauve::exec {
 
 class Task;
@@ -51,8 +55,11 @@ class Runner {
   virtual bool end(Task& task, Instant deadline) = 0;
   /// The time bound of a job has changed, so the guard of the threads looks again.
   virtual void look_again() {}
-  /// May abandoned threads still be in elements of this task? Null: of any task?
-  [[nodiscard]] virtual bool has_abandoned(const Task* /*task*/ = nullptr) const { return false; }
+  /// May abandoned threads still be in elements of this task, or in this core? Null: in any?
+  [[nodiscard]] virtual bool has_abandoned(const Task* /*task*/ = nullptr,
+                                           const CoreBase* /*core*/ = nullptr) const {
+    return false;
+  }
   /// Processor time that the thread of the task used since it began; none: time is simulated.
   [[nodiscard]] virtual std::optional<Duration> processor_time(const Task& /*task*/) const {
     return std::nullopt;

@@ -146,10 +146,13 @@ class Threads final : public Runner {
 
   void look_again() override { rt::futex_bump(bell_); }
 
-  [[nodiscard]] bool has_abandoned(const Task* task) const override {
+  [[nodiscard]] bool has_abandoned(const Task* task, const CoreBase* core) const override {
     const rt::PiMutexLock lock(mutex_);
-    return std::any_of(lost_.begin(), lost_.end(), [task](const auto& worker) {
-      return task == nullptr || &worker->task == task;
+    const auto has_core = [core](const auto& bundle) { return bundle->core.get() == core; };
+    return std::any_of(lost_.begin(), lost_.end(), [&](const auto& worker) {
+      const auto& inside = worker->inside;
+      return (task == nullptr || &worker->task == task) &&
+             (core == nullptr || std::any_of(inside.begin(), inside.end(), has_core));
     });
   }
 

@@ -128,7 +128,7 @@ class PreparedChange::Content {
   std::vector<std::string> newly_stopped = {};  ///< of `stops`, against which no stop stood before
   std::uint64_t last_stop = 0;                  ///< the number of the last one of `stops`
   bool in_place = false;  ///< elements in force are cleaned up before those that come are used
-  bool step = false;      ///< of a change whose last step makes the generation
+  bool step = false;      ///< makes no generation: the last step of its change does, or none
   std::vector<NewFallback> fallbacks;
   std::optional<exec::PreparedBarrier> barrier;  ///< none: the cut
   std::vector<std::string> warnings;             ///< for the receipt

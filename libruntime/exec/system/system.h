@@ -57,6 +57,7 @@ struct Deployed {
   bool changing = false;          ///< a change of it is under way: no other may begin
   bool parking = false;           ///< that change is an order to park
   bool ended = false;             ///< no thread looks at its task any more
+  bool ran_until_end = false;     ///< shutdown() found it running
   bool hidden = false;            ///< joins with a change under way, or left with one on probation
   StandbyCore standby;
   std::vector<Instant> restarts;  ///< the recent ones

@@ -10,7 +10,6 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include "exec/system/make_update.h"
 #include "exec/system/system.h"
 #include "rt/thread/run_guarded.h"
 #include "rt/thread/thread.h"
@@ -321,6 +320,32 @@ TEST_F(Guard, AChangeOfAComponentThatHangsEndsWithIt) {
   EXPECT_TRUE(eventually([] { return Blocked::late_write() == 0; }));
 }
 
+TEST_F(Guard, ACoreIsNotCleanedUpInPlaceWhileAJobIsStillInIt) {
+  TwoWatched<ramp::Down> architecture(FaultPolicy::Action::stop);
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+  const auto before = architecture.left.bundle();
+  Edit edit;
+  edit.member = "left";
+  edit.core = CoreType::of<Blocked>("ramp/blocked");
+  ASSERT_TRUE(deployer.swap_core_in_place(edit));
+  ASSERT_TRUE(is_faulted(deployer, "left"));
+  edit.core = CoreType::of<ramp::Down>("ramp/down");
+  EXPECT_EQ(deployer.swap_core_in_place(edit).error().id, "component_abandoned");
+  auto back = deployer.prepare_back_in_place("left", before, std::nullopt);
+  ASSERT_TRUE(back) << to_string(back.error());
+  ASSERT_TRUE(deployer.wait(*deployer.begin_in_place_park(*back)));
+
+  const Status exchanged = deployer.in_place_exchange(*back);
+
+  ASSERT_FALSE(exchanged);
+  EXPECT_EQ(exchanged.error().id, "component_abandoned");
+  EXPECT_FALSE(deployer.begin_in_place_resume(*back, exchanged));
+  EXPECT_NE(deployer.status("left").state, ComponentState::running) << "nothing leads back to it";
+  block_.let_go();
+  EXPECT_TRUE(eventually([] { return Blocked::late_write() == 0; }));
+}
+
 TEST_F(Guard, AShutdownLeavesBehindWhatAThreadIsStillIn) {
   // Never freed: a thread stays in them.
   static auto* const kept = new std::vector<std::pair<TwoWatched<Blocked>*, Block*>>;
@@ -334,17 +359,6 @@ TEST_F(Guard, AShutdownLeavesBehindWhatAThreadIsStillIn) {
   deployer.reset();
   forever->let_go();
   EXPECT_TRUE(eventually([] { return Blocked::late_write() == 0; }));
-}
-
-TEST(BoundOfAJob, IsTenOfItsBudgetsOrOfItsLongestWaits) {
-  ramp::Architecture architecture;
-  architecture.control.fsm().period = 30ms;
-  ASSERT_TRUE(architecture.configure());
-  EXPECT_EQ(exec::bound_of(*architecture.control.bundle()), 300ms);
-
-  architecture.control.task().budget = 20ms;
-
-  EXPECT_EQ(exec::bound_of(*architecture.control.bundle()), 200ms);
 }
 
 /// Of all threads of this process.

@@ -57,7 +57,7 @@ class Deployer {
   /// threads. Never longer than `bound`: a core that hangs is abandoned, its safe values written
   /// on its behalf; the names of such components are returned. A component whose thread is not
   /// real-time may be late because the machine is loaded: once its safe values are written, it has
-  /// `ordinary` more before it is abandoned.
+  /// `ordinary` more before it is abandoned. The end makes no generation.
   std::vector<std::string> shutdown(Duration bound = 2s, Duration ordinary = Duration{0});
 
   [[nodiscard]] Instant t0() const;          ///< the common T0, monotonic

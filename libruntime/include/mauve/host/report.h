@@ -78,6 +78,7 @@ struct ComponentStatus {
   Duration watchdog{0};      ///< a job that runs longer is interrupted, or its thread is abandoned
   bool changing = false;     ///< a change, or an order to stop, waits for the end of its job
   bool stopping = false;     ///< of these it is an order to stop
+  bool ran_until_end = false;  ///< Deployer::shutdown() found it running, and stops it
   /// How long ago the job under way should have ended, once that is more than its longest wait;
   /// else zero. A core that hangs is running and late.
   Duration late{0};
