@@ -19,20 +19,30 @@ bool some_change_is_on_probation(const Running& running) {
   return running.deployer.on_probation() || !running.places.empty();
 }
 
+/// The generation that the command made; 0: none.
+std::uint64_t generation_made(const Json& result) {
+  const bool by_change =
+      result.contains("undone") || (result.contains("commit") && !result.contains("directly"));
+  return by_change && flag(result, "changed") ? result["generation"].get<std::uint64_t>() : 0;
+}
+
 /// [control] Saves the running system, then adds a line with the request and its outcome to the
-/// audit log.
-void keep(Running& running, const Call& call, std::optional<Confirmation> mark, Json line,
-          std::function<void(bool saved)> then) {
+/// audit log. `made`: the generation that the command made. The one in force may be that of another
+/// change, whose answer comes later and names its author.
+void keep(Running& running, const Call& call, std::uint64_t made, std::optional<Confirmation> mark,
+          Json line, std::function<void(bool saved)> then) {
   MAUVE_ON_THREAD(control);
   const StandStill still(running);
   Generation about;
   about.number = running.deployer.generation();
   about.boot = running.boot;
   about.time = logging::utc(std::chrono::system_clock::now());
-  about.uid = call.caller.peer.uid;
-  about.command = call.method->name;
-  about.reason = text_or(call.params, "reason");
-  about.changes = text_or(line, "changes");
+  if (made == about.number) {
+    about.uid = call.caller.peer.uid;
+    about.command = call.method->name;
+    about.reason = text_or(call.params, "reason");
+    about.changes = text_or(line, "changes");
+  }
   about.builds = builds_of(running.catalog);
   const bool on_probation = some_change_is_on_probation(running);
   about.mark = on_probation ? Confirmation::unconfirmed : mark.value_or(Confirmation::unconfirmed);
@@ -48,10 +58,9 @@ void keep(Running& running, const Call& call, std::optional<Confirmation> mark, 
                       running.deployer.generation(/*before_stops=*/true));
 }
 
-void remember_author(Running& running, const Call& call, const Json& result,
-                     std::uint64_t generation) {
-  if (generation != running.author.generation && generation != call.before) {
-    running.author = {generation, call.caller.peer.uid, std::string(call.method->name),
+void remember_author(Running& running, const Call& call, const Json& result, std::uint64_t made) {
+  if (made > running.author.generation) {
+    running.author = {made, call.caller.peer.uid, std::string(call.method->name),
                       changes_of(result), text_or(call.params, "reason")};
   }
 }
@@ -91,8 +100,9 @@ void answer_applied(Running& running, const Call& call, Json result) {
   const auto generation = running.deployer.generation();
   // The one in force may be a rollback of this change already, or of another one.
   const auto its = result.emplace("generation", generation).first->get<std::uint64_t>();
+  const auto made = generation_made(result);
   if (!call.method->harmless()) {
-    remember_author(running, call, result, its);
+    remember_author(running, call, result, made);
     remember_change(running, call, result, its);
   }
   if (const auto lines = result.find("lines");
@@ -106,10 +116,10 @@ void answer_applied(Running& running, const Call& call, Json result) {
     return call.reply(std::move(result));
   }
   if (call.method->out_of_band()) {
-    keep(running, call, call.mark, std::move(line), {});
+    keep(running, call, made, call.mark, std::move(line), {});
     return reply_when_saved(running, call, std::move(result));
   }
-  keep(running, call, call.mark, std::move(line),
+  keep(running, call, made, call.mark, std::move(line),
        [reply = call.reply, result = std::move(result)](bool saved) mutable {
          result["saved"] = saved;
          reply(std::move(result));
@@ -153,7 +163,9 @@ void answer_fault(Running& running, const Call& call, Fault fault) {
       if (call.method->effect == protocol::Effect::stops) {
         continue_proof(running, call);  // a component that hangs stops later
       }
-      keep(running, call, mark, *std::move(line), {});
+      // It made the generation in force, unless that was there before.
+      const auto now = running.deployer.generation();
+      keep(running, call, now == call.before ? 0 : now, mark, *std::move(line), {});
     } else if (line && running.store != nullptr) {
       running.store->audit(*line);
     }

@@ -160,6 +160,17 @@ std::optional<std::uint64_t> number_of(const std::filesystem::path& file) {
   return fits ? std::optional(number) : std::nullopt;
 }
 
+/// The description of a generation that is saved once more.
+Generation joined(const Generation& saved, const Generation& about) {
+  Generation whole = saved.command.empty() ? about : saved;
+  whole.builds = about.builds;
+  whole.crashes = saved.crashes;
+  if (saved.mark != Confirmation::unconfirmed) {
+    whole.mark = saved.mark;
+  }
+  return whole;
+}
+
 }  // namespace
 
 std::string_view to_string(Confirmation mark) { return kMarks.at(static_cast<std::size_t>(mark)); }
@@ -201,15 +212,17 @@ void Generations::look() {
 Status Generations::save(const Generation& about, const std::string& text) {
   MAUVE_ON_THREAD(disk);
   Generation whole = about;
+  bool same_author = true;
   {
     const MutexLock lock(mutex_);
     const auto found = known_.find(about.number);
     if (found != known_.end() && !found->second.damaged) {
-      whole = found->second;
-      whole.builds = about.builds;
+      whole = joined(found->second, about);
+      same_author = whole.command == found->second.command;
     }
   }
-  if (last_number_ == whole.number && last_text_ == text && last_builds_ == whole.builds) {
+  if (same_author && last_number_ == whole.number && last_text_ == text &&
+      last_builds_ == whole.builds) {
     return ok();
   }
   if (auto written = write(whole, text); !written) {

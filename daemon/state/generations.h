@@ -34,7 +34,7 @@ struct Generation {
   std::string boot;          ///< the run of mauved that made it
   std::string time;          ///< UTC, "2026-01-31T12:00:00.000000Z"
   std::uint32_t uid = 0;     ///< of its author
-  std::string command;       ///< the method of the wire, or "start", "recover"
+  std::string command;       ///< the method of the wire, "start", "recover"; empty: not known yet
   std::string reason;        ///< as given, may be empty
   std::string changes;       ///< from the one before, in the lines of `plan`, bounded; may be empty
   std::string folder;        ///< where its relative paths begin; empty: not known
@@ -55,8 +55,9 @@ class Generations {
   [[nodiscard]] static Result<std::unique_ptr<Generations>> open(
       const std::filesystem::path& directory);
 
-  /// Saves an architecture file. A number that is there already keeps its description and gets the
-  /// new text and the new builds: a plugin that comes or goes makes no generation. [disk]
+  /// Saves an architecture file. A number that is there already keeps its author, once that is
+  /// known, and its mark, unless that is `unconfirmed`. It gets the new text and the new builds: a
+  /// plugin that comes or goes makes no generation. [disk]
   Status save(const Generation& about, const std::string& text);
 
   /// [disk] Refused: there is no such generation, or the disk failed.

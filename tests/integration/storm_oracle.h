@@ -60,14 +60,10 @@ class StormOracle {
   /// An answer says that this method made this generation.
   void made(const std::string& method, std::uint64_t generation, bool saved) {
     const std::lock_guard lock(mutex_);
-    const auto [there, fresh] = made_.emplace(generation, Made{generation, method, saved, ends_});
+    const auto [there, fresh] = made_.emplace(generation, Made{generation, method, saved});
     if (fresh) return;
-    if (is_stop(method) || is_stop(there->second.method)) {
-      strangers_.insert(generation);
-    } else {
-      violate_("generation " + std::to_string(generation) + " is answered as made by " + method +
-               " and by " + there->second.method);
-    }
+    violate_("generation " + std::to_string(generation) + " is answered as made by " + method +
+             " and by " + there->second.method);
   }
   void confirmed(std::uint64_t generation) {
     const std::lock_guard lock(mutex_);
@@ -81,12 +77,6 @@ class StormOracle {
           std::find(generations.begin(), generations.end(), stamp.generation) != generations.end();
       if (its && stamp.generation != 0 && stamp.undone == kNotYet) stamp.undone = now_;
     }
-  }
-
-  /// mauved is asked to end in order; then it has ended.
-  void ends(bool now) {
-    const std::lock_guard lock(mutex_);
-    ends_ = now;
   }
 
   // Checks.
@@ -129,11 +119,6 @@ class StormOracle {
     const std::lock_guard lock(mutex_);
     return stood_;
   }
-  /// Generations that the history ascribes to another command than the answers, one of them urgent.
-  [[nodiscard]] std::size_t strangers() const {
-    const std::lock_guard lock(mutex_);
-    return strangers_.size();
-  }
   [[nodiscard]] std::map<std::string, int> missing() const {
     const std::lock_guard lock(mutex_);
     return missing_;
@@ -143,12 +128,6 @@ class StormOracle {
   static constexpr std::size_t kReported = 40;
   static constexpr std::size_t kLongest = 240;  ///< characters of an event
 
-  static bool is_stop(const std::string& method) { return method == "component.stop"; }
-  /// It waits for no other command.
-  static bool is_urgent(const std::string& method) {
-    return is_stop(method) || method == "change.confirm" || method == "change.undo" ||
-           method == "quarantine.release";
-  }
   Moment note_(const std::string& text) {
     events_.push_back(std::to_string(++now_) + " " + text.substr(0, kLongest));
     if (events_.size() > kReported) events_.pop_front();
@@ -160,14 +139,12 @@ class StormOracle {
   mutable std::mutex mutex_;  ///< guards the members below
   Moment now_ = 0;
   Moment moved_ = 0;
-  bool ends_ = false;
   std::deque<std::string> events_;
   UserOrders orders_;
   std::map<std::int64_t, Stamp> stamps_;
   std::map<std::uint64_t, Made> made_;  ///< that the history may still have
   std::map<std::uint64_t, Row> rows_;
   std::map<std::string, int> missing_;  ///< generations that were not in the history, by method
-  std::set<std::uint64_t> strangers_;
   std::uint64_t confirmed_ = 0;
   std::uint64_t stood_ = 0;  ///< rows of a status under a stop
   std::atomic<int> violations_{0};

@@ -115,7 +115,6 @@ struct Made {
   std::uint64_t generation = 0;
   std::string method;
   bool saved = false;
-  bool at_the_end = false;  ///< mauved was ending in order, which stops all components
 };
 
 /// The place of a generation in the history.

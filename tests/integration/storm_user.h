@@ -181,7 +181,8 @@ class StormUser {
       if (saved) oracle_.confirmed(generation);
     } else if (request.method == "change.undo") {
       oracle_.undone(result["undone"]["generations"]);
-    } else if (result.value("state", "") == "applied" && result.value("changed", false)) {
+    } else if (result.value("state", "") == "applied" && result.value("changed", false) &&
+               !result.contains("directly")) {
       oracle_.made(request.method, generation, saved);
     }
   }

@@ -24,12 +24,14 @@ Json row(const Generation& one) {
   }
   row.update({{"boot", one.boot},
               {"time", one.time},
-              {"uid", one.uid},
-              {"command", one.command},
-              {"reason", one.reason},
-              {"changes", one.changes},
               {"builds", one.builds},
               {"mark", to_string(one.mark)}});
+  if (!one.command.empty()) {
+    row.update({{"uid", one.uid},
+                {"command", one.command},
+                {"reason", one.reason},
+                {"changes", one.changes}});
+  }
   return row;
 }
 

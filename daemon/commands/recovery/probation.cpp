@@ -167,8 +167,10 @@ Status may_undo(const Running& running, const Call& call, const ChangeOnProbatio
                 "an administrator may do it while nothing is locked");
 }
 
-void answer_undone(Running& running, const Call& call, Json result) {
-  result["generation"] = running.generation.load();
+/// `undone`: the generation of the newest change that went back.
+void answer_undone(Running& running, const Call& call, std::uint64_t undone, Json result) {
+  const auto* rollback = running.rollbacks.of(undone);
+  result["generation"] = rollback == nullptr ? running.generation.load() : rollback->generation;
   result["changed"] = true;
   result["state"] = "applied";
   answer(running, call, std::move(result));
@@ -195,7 +197,7 @@ void undo_in_place(Running& running, const CallPtr& call, const PlaceTarget& tar
                           if (auto back = is_back(running, target); !back) {
                             return answer(running, *call, back.error());
                           }
-                          answer_undone(running, *call, std::move(result));
+                          answer_undone(running, *call, target.generation, std::move(result));
                         });
 }
 
@@ -238,11 +240,12 @@ void begin_undo(Running& running, const CallPtr& call, const ChangeOnProbation& 
     return answer(running, *call, nothing_to_undo(running, wanted_generation(*call)));
   }
   running.rollbacks.ask(newest.generations.back(), {call->caller.peer.uid, reason});
+  const auto undone = newest.generations.back();
   running.control.await(
-      [&running, undone = newest.generations.back()] { return !is_rolling_back(running, undone); },
-      [&running, call, result = std::move(result)]() mutable {
+      [&running, undone] { return !is_rolling_back(running, undone); },
+      [&running, call, undone, result = std::move(result)]() mutable {
         running.report_outcomes();  // that saves it, with the mark of the one that it goes back to
-        answer_undone(running, *call, std::move(result));
+        answer_undone(running, *call, undone, std::move(result));
       });
 }
 

@@ -94,6 +94,20 @@ TEST_F(GenerationsTest, KeepTheirAuthorAndConfirmationWhenTheirTextIsSavedAnew) 
   EXPECT_EQ(kept->text(1).value(), "{ \"plugins\": [] }");
 }
 
+TEST_F(GenerationsTest, GetTheirAuthorLaterWhenAnotherCommandSavesThemFirst) {
+  auto early = numbered(1, Confirmation::confirmed);
+  early.command = early.reason = "";
+  early.uid = 0;
+  ASSERT_TRUE(kept->save(early, "{}"));
+
+  ASSERT_TRUE(kept->save(numbered(1, Confirmation::unconfirmed), "{}"));
+
+  open();
+  EXPECT_EQ(kept->list().front().command, "param.set");
+  EXPECT_EQ(kept->list().front().uid, 1000U);
+  EXPECT_EQ(kept->list().front().mark, Confirmation::confirmed) << "as it was marked meanwhile";
+}
+
 TEST_F(GenerationsTest, RecordTheBuildsThatTheyRanWithAlsoWhenTheseChange) {
   auto ran = numbered(1);
   ran.builds = {{"slip", "fa032653"}, {"arm", "12ab"}};

@@ -37,7 +37,7 @@ enum class ChangeState : std::uint8_t {
 
 /// Answer to every change.
 struct Receipt {
-  std::uint64_t generation = 0;                ///< in force now
+  std::uint64_t generation = 0;                ///< that it made; in force if it made none
   ChangeState state = ChangeState::unchanged;  ///< of the system
   Duration commit{0};                          ///< logical instant of the change, since T0
   unsigned attempts = 0;                       ///< tries until the coordinator met its instant
