@@ -279,28 +279,50 @@ TEST_F(GuardedBase, GoesBackToTheServiceWhenItComesBack) {
   EXPECT_TRUE(stands());
 }
 
-/// Both are checked before they move anything; the brake may share the device.
-TEST_F(GuardedBase, HasANoteWhenASecondDriverNamesItsDevice) {
+/// Neither moves anything; the brake may share the device.
+TEST_F(GuardedBase, HasNoSecondDriverUnderAnyPath) {
   const auto checked = [&](const Json& system) {
     const auto file = place_.write("checked.json", system.dump());
-    return Process({MAUVE_BIN_DIR "/mauved", file.string(), "--check", "--plugin-dir",
-                    MAUVE_PLUGIN_DIR},
-                   (place_ / "log").string())
-        .all_output();
+    const auto errors = place_.write("errors", "");
+    const auto output = Process({MAUVE_BIN_DIR "/mauved", file.string(), "--check", "--plugin-dir",
+                                 MAUVE_PLUGIN_DIR},
+                                errors.string())
+                            .all_output();
+    return output + TempDir::read(errors);
   };
+  const std::string has_driver = "is the device of base.core.device";
   Json system = guarded_architecture(base_.path());
   system["resources"]["brake"] = {{"type", "drivers/create_brake"},
                                   {"properties", {{"core.device", base_.path()}}}};
-  EXPECT_THAT(checked(system), testing::Not(HasSubstr("same device")));
+  EXPECT_THAT(checked(system), testing::Not(HasSubstr(has_driver)));
 
   system["components"]["second"] = system["components"]["base"];
-  system["components"]["second"]["properties"]["core.device"] = "/dev/null";
+  auto& second = system["components"]["second"]["properties"]["core.device"];
   system["components"]["second"].erase("ports");
-  EXPECT_THAT(checked(system), testing::Not(HasSubstr("same device")));
+  second = "/dev/null";
+  EXPECT_THAT(checked(system), testing::Not(HasSubstr(has_driver)));
 
-  system["components"]["second"]["properties"]["core.device"] = base_.path();
-  EXPECT_THAT(checked(system), HasSubstr("second.core.device names the same device as "
-                                         "base.core.device"));
+  second = base_.path();
+  EXPECT_THAT(checked(system), HasSubstr("second.core.device: " + base_.path() + " " + has_driver));
+
+  second = "/dev/../dev/" + base_.path().substr(std::string("/dev/").size());
+  EXPECT_THAT(checked(system), HasSubstr(has_driver + " as " + base_.path()));
+}
+
+TEST_F(GuardedBase, HasNoSecondDriverByAChange) {
+  const Outlet another;
+  Json system = guarded_architecture(base_.path());
+  system["components"]["second"] = system["components"]["base"];
+  system["components"]["second"].erase("ports");
+  system["components"]["second"]["properties"]["core.device"] = another.path();
+  daemon_.emplace(place_.write("two.json", system.dump()),
+                  std::vector<std::string>{"--realtime", "off"});
+  ASSERT_TRUE(daemon_->up()) << daemon_->errors();
+
+  auto set = daemon_->client({"set", "second.core.device=" + base_.path()});
+
+  EXPECT_NE(set.wait(), 0);
+  EXPECT_THAT(set.all_output(), HasSubstr(base_.path() + " is the device of base.core.device"));
 }
 
 TEST_F(GuardedBase, HasOneMauvedAtATime) {

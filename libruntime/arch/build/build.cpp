@@ -241,6 +241,11 @@ class Builder {
 
   void check_writers() {
     Status sound = Wiring(*architecture_).check();
+    Devices devices;
+    for (const ComponentBase* component : architecture_->components()) {
+      devices.put(component->name(), *component->bundle()->core, true);
+    }
+    if (sound) sound = devices.check();
     if (sound) return;
     const std::string& at = sound.error().at;
     Position where;
@@ -248,6 +253,9 @@ class Builder {
       for (const auto& [spec, element] : elements) {
         for (const ConnectionSpec& connection : spec->connections) {
           if (spec->name + ".ports." + connection.port == at) where = connection.where;
+        }
+        for (const PropertySpec& property : spec->properties) {
+          if (spec->name + "." + property.name == at) where = property.where;
         }
       }
     };

@@ -8,7 +8,6 @@
 
 #include "arch/build/check_steps.h"
 #include "arch/build/lost_names.h"
-#include "arch/build/shared_devices.h"
 #include "arch/build/unguarded_devices.h"
 #include "arch/parse/built_in.h"
 #include "arch/parse/quantity.h"
@@ -194,8 +193,7 @@ void add_notes(const std::string& at, const rules::Steps& steps, const Architect
 std::vector<Wiring::Note> notes_on(const rules::Supervision& supervision,
                                    const Architecture& architecture,
                                    const plugin::Catalog& catalog) {
-  std::vector<Wiring::Note> notes = shared_devices(architecture);
-  std::ranges::move(unguarded_devices(architecture), std::back_inserter(notes));
+  std::vector<Wiring::Note> notes = unguarded_devices(architecture);
   std::ranges::move(lost_names(supervision, architecture, catalog), std::back_inserter(notes));
   for (const auto& [name, steps] : supervision.transactions) {
     add_notes("transactions." + name, steps, architecture, catalog, notes);

@@ -27,8 +27,7 @@ namespace mauve::arch {
 [[nodiscard]] rules::Supervision check_rules(const Spec& spec, const Architecture& architecture,
                                              const plugin::Catalog& catalog, Problems& problems);
 
-/// Components that name one device (shared_devices()), or a device that nothing makes safe
-/// (unguarded_devices()). Rules and transactions without an effect
+/// A device that nothing makes safe (unguarded_devices()). Rules and transactions without an effect
 /// while the system is as the architecture has it. They name an element or value that it lacks
 /// (lost_names()), would let a second port write into an output, or would lose the state of a core.
 /// Runs constructors of plugins. [control] or [factory]

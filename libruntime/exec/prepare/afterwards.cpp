@@ -5,11 +5,13 @@
 #include <string>
 #include <string_view>
 
+#include "model/component/devices.h"
+#include "rt/thread/thread.h"
+
 #include <mauve/host/architecture.h>
 #include <mauve/host/change.h>
+#include <mauve/host/component.h>
 #include <mauve/service.h>
-
-#include "rt/thread/thread.h"
 
 namespace mauve::exec {
 
@@ -32,6 +34,19 @@ Result<ServiceBase*> Afterwards::find_service(std::string_view address) const {
 
 bool Afterwards::leaves(std::string_view name) const {
   return std::find(change_.remove.begin(), change_.remove.end(), name) != change_.remove.end();
+}
+
+/// Asked before the core is configured, which opens the device. check_fit() compares the components
+/// that change with each other.
+Status Afterwards::may_open(const std::string& component, const CoreBase& core) const {
+  Devices devices;
+  for (const ComponentBase* one : system_.architecture.components()) {
+    const bool changes = std::any_of(change_.edits.begin(), change_.edits.end(),
+                                     [&](const Edit& edit) { return edit.member == one->name(); });
+    if (!changes && !leaves(one->name())) devices.put(one->name(), *one->bundle()->core, false);
+  }
+  devices.put(component, core, true);
+  return devices.check();
 }
 
 Status Afterwards::may_run_at(int priority) const {

@@ -28,7 +28,7 @@ void put(Wiring& wiring, const ResourceBase& resource, const Bindings& bindings)
 }
 
 void put(Wiring& wiring, const ComponentBase& component, const Bundle& bundle) {
-  wiring.put(component.name(), *bundle.shell, *bundle.bindings);
+  wiring.put(component.name(), bundle);
 }
 
 void go_forth(Wiring& wiring, const Content& change) {

@@ -5,7 +5,9 @@
 #include <optional>
 #include <utility>
 
+#include <mauve/detail/codec_scalar.h>
 #include <mauve/host/architecture.h>
+#include <mauve/host/component.h>
 #include <mauve/host/ring_buffer.h>
 #include <mauve/port.h>
 
@@ -43,6 +45,8 @@ Wiring::Wiring(const Architecture& architecture) {
   for (const ComponentBase* component : architecture.components()) {
     const auto bundle = component->bundle();
     put(component->name(), *bundle->shell, *bundle->bindings, false);
+    devices_.put(component->name(), *bundle->core, false);
+    tasks_[component->name()] = bundle->task;
   }
   for (const ResourceBase* resource : architecture.resources()) {
     put(resource->name(), resource->shell(), resource->bindings(), false);
@@ -51,6 +55,18 @@ Wiring::Wiring(const Architecture& architecture) {
 
 void Wiring::put(const std::string& name, const Shell& shell, const Bindings& bindings) {
   put(name, shell, bindings, true);
+}
+
+void Wiring::put(const std::string& name, const Bundle& bundle) {
+  put(name, *bundle.shell, *bundle.bindings, true);
+  devices_.put(name, *bundle.core, true);
+  tasks_[name] = bundle.task;
+}
+
+void Wiring::remove(const std::string& name) {
+  elements_.erase(name);
+  devices_.remove(name);
+  tasks_.erase(name);
 }
 
 void Wiring::put(const std::string& name, const Shell& shell, const Bindings& bindings,
@@ -112,7 +128,7 @@ Status Wiring::check() const {
                   "disconnect one of the two in the same change, or let a resource choose between "
                   "them (teleop/priority)");
   }
-  return ok();
+  return devices_.check();
 }
 
 std::string Wiring::only_writer(const ServiceBase& service) const {
@@ -141,6 +157,13 @@ std::vector<Wiring::Note> Wiring::notes() const {
     for (const Port* port : one.by) names += (names.empty() ? "" : ", ") + port->address;
     notes.push_back({address, "has " + std::to_string(one.by.size()) +
                                   " writers, and the last value counts: " + names});
+  }
+  for (const auto& [name, task] : tasks_) {
+    if (task.watchdog == Duration{0} || task.watchdog >= task.budget) continue;
+    notes.push_back(
+        {name + ".task.watchdog", "is " + format_duration(task.watchdog) +
+                                      ", below the budget of " + format_duration(task.budget) +
+                                      ": it ends jobs within the budget, and holds them for hung"});
   }
   return notes;
 }

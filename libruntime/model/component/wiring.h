@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// All connections of a system together: two ports that write into one output, and ports without a
-/// connection that should have one.
+/// All elements of a system together. Two ports may write into one output, and two components may
+/// open one device. A port may lack a connection, and a watchdog may be below the budget.
 #pragma once
 
 #include <map>
 #include <string>
 #include <vector>
 
+#include "model/component/devices.h"
+
 #include <mauve/detail/binding.h>
+#include <mauve/host/task_attributes.h>
 #include <mauve/result.h>
 
 namespace mauve {
 
 class Architecture;
+struct Bundle;
 class PortBase;
 class ResourceBase;
 class ServiceBase;
@@ -25,30 +29,32 @@ class Wiring {
   explicit Wiring(const Architecture& architecture);
   /// The element `name` has these connections, instead of those that it had.
   void put(const std::string& name, const Shell& shell, const Bindings& bindings);
+  /// The component `name` has this bundle: its connections, its device and its task.
+  void put(const std::string& name, const Bundle& bundle);
   /// The port of this address is connected to the service, or to none (null). An address that no
   /// port has changes nothing.
   void connect(const std::string& port, const ServiceBase* service);
-  void remove(const std::string& name) { elements_.erase(name); }
+  void remove(const std::string& name);
 
   /// Refused with `conflict` when two ports write into an output of which the author declares that
-  /// one port at most may do so (Writers::one). The error names a port of an element that put()
-  /// brought, where it can.
+  /// one port at most may do so (Writers::one), and when Devices::check() refuses. The error names
+  /// a port or a property of an element that put() brought, where it can.
   [[nodiscard]] Status check() const;
 
   /// The port that alone may write into this service, because the author declares so; empty: others
   /// may write too, or none does.
   [[nodiscard]] std::string only_writer(const ServiceBase& service) const;
 
-  /// A sentence about a connection that may be a mistake, and is none to the runtime.
+  /// A sentence about a declaration that may be a mistake, and is none to the runtime.
   struct Note {
-    std::string address;  ///< of a port or a service
+    std::string address;  ///< of a port, a service or an attribute of a task
     std::string text;     ///< "is not connected: its values, and its safe value, reach nothing"
 
     bool operator==(const Note&) const = default;
   };
   /// The notes concern ports without a connection: those that read or have a safe value, unless
   /// they are optional, and those that are required. They also concern services for one value at a
-  /// time (not of ring buffers) into which several ports write.
+  /// time (not of ring buffers) into which several ports write, and a watchdog below the budget.
   [[nodiscard]] std::vector<Note> notes() const;
 
  private:
@@ -72,6 +78,8 @@ class Wiring {
   void put(const std::string& name, const Shell& shell, const Bindings& bindings, bool is_new);
 
   std::map<std::string, std::vector<Port>> elements_;
+  std::map<std::string, TaskAttributes> tasks_;  // of components
+  Devices devices_;
 };
 
 /// "control.ports.power is not connected: ..."

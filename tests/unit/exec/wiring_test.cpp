@@ -211,6 +211,23 @@ TEST(Notes, NameTheWritersOfOneValueAndNotThoseOfAQueue) {
                                            "human.ports.log, machine.ports.log"));
 }
 
+TEST_F(ExclusiveOutputAtRunTime, MayHaveAWatchdogBelowItsBudgetWhichIsNoted) {
+  Edit edit;
+  edit.member = "motor";
+  edit.task = robot.motor.task();
+  edit.task->budget = 3ms;
+  edit.task->watchdog = 1ms;
+
+  const auto done = deployer.apply({{edit}});
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  const auto note =
+      "motor.task.watchdog is 1ms, below the budget of 3ms: it ends jobs within the budget, and "
+      "holds them for hung";
+  EXPECT_THAT(done->warnings, Contains(note));
+  EXPECT_THAT(notes_of(robot), Contains(note));
+}
+
 TEST(Notes, NameTransactionsThatWouldAddASecondWriter) {
   using rules::Action;
   Robot robot;

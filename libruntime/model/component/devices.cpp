@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "model/component/devices.h"
+
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+
+#include <mauve/core.h>
+#include <mauve/detail/property_base.h>
+#include <mauve/host/value.h>
+
+namespace mauve {
+namespace {
+
+constexpr unsigned kMemoryDevices = 1;  ///< the major number of /dev/null
+constexpr unsigned kInputDevices = 13;  ///< of joysticks
+
+/// Equal for two paths of one device; empty: any number of readers may share it.
+std::string identity_of(const std::string& path) {
+  if (!path.starts_with('/')) return path;  // the name of a simulated one
+  struct stat file {};
+  if (stat(path.c_str(), &file) == 0 && S_ISCHR(file.st_mode)) {
+    const unsigned kind = major(file.st_rdev);
+    const bool shared = kind == kMemoryDevices || kind == kInputDevices;
+    return shared ? "" : std::to_string(kind) + ":" + std::to_string(minor(file.st_rdev));
+  }
+  std::error_code failed;
+  const auto place = std::filesystem::weakly_canonical(path, failed);
+  const std::string text = failed ? path : place.string();
+  return text.starts_with("/dev/input/") ? "" : text;
+}
+
+}  // namespace
+
+void Devices::put(const std::string& component, const CoreBase& core, bool is_new) {
+  const auto before = opened_.extract(component);
+  const PropertyBase* const device = core.find_property("device");
+  if (device == nullptr || device->within().find("/dev/") == std::string_view::npos) return;
+  const Value value = device->value();
+  const auto* const path = value.get_if<std::string>();
+  if (path == nullptr || path->empty()) return;
+  const bool is_other = before.empty() || before.mapped().path != *path;
+  opened_[component] = {device->address(), *path, is_new && is_other};
+}
+
+Status Devices::check() const {
+  for (const auto& [component, one] : opened_) {
+    if (!one.is_new) continue;
+    const std::string identity = identity_of(one.path);
+    if (identity.empty()) continue;
+    for (const auto& [other_component, other] : opened_) {
+      const bool comes_later = other.is_new && other_component > component;  // it is the second
+      if (&other == &one || comes_later || identity_of(other.path) != identity) continue;
+      const std::string as = other.path == one.path ? "" : " as " + other.path;
+      return refuse({Errc::conflict, "device_has_driver"}, one.address,
+                    one.path + " is the device of " + other.address + as +
+                        " already: of two drivers each overrules the other, or takes its bytes",
+                    "name the device of this driver, or remove the other one in the same change");
+    }
+  }
+  return ok();
+}
+
+}  // namespace mauve
