@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <future>
 #include <iostream>
@@ -12,6 +13,7 @@
 #include "arch/build/load.h"
 #include "commands/audit.h"
 #include "commands/model.h"
+#include "commands/recovery/abandoned.h"
 #include "commands/recovery/quarantine.h"
 #include "commands/recovery/unproven.h"
 #include "commands/stops.h"
@@ -51,19 +53,6 @@ std::string random_id() {
   return id;
 }
 
-/// "first, the hook second.core on_configure"
-std::string listed(const std::vector<std::string>& components,
-                   const std::vector<AbandonedThread>& hooks) {
-  std::string text;
-  for (const auto& name : components) {
-    text += (text.empty() ? "" : ", ") + name;
-  }
-  for (const auto& left : hooks) {
-    text += (text.empty() ? "the hook " : ", the hook ") + left.hook;
-  }
-  return text;
-}
-
 }  // namespace
 
 Daemon::Daemon(Options options)
@@ -92,9 +81,13 @@ int Daemon::run() {
     }
     return 1;
   }
-  if (auto serving = serve(); !serving) {
-    report_refusal(serving.error());
-    return shut_down("a socket that cannot be served");
+  try {
+    if (auto serving = serve(); !serving) {
+      report_refusal(serving.error());
+      return shut_down("a socket that cannot be served");
+    }
+  } catch (const std::exception& failed) {
+    leave_without(failed.what());
   }
   const auto in_io = [this](auto job) { server_->post(std::move(job)); };
   return shut_down(signal ? *signal : serve_until_signal(*running_, signals_, in_io));
@@ -252,10 +245,10 @@ Status Daemon::serve() {
   };
   running_->guardian = &guardian_;
   keep_the_first();
-  recorder_.start(*running_);
   table_ = std::make_unique<CommandTable>(*running_);
   server_ = std::make_unique<server::Server>(
       server::ServerOptions{{}, server::machine_rules(), server::machine_rules}, *table_, log_);
+  recorder_.start(*running_);
   const auto state = state_line(*running_);
   supervisor_.start(*running_);
   stopper_.start(*deployer_);
@@ -358,7 +351,11 @@ std::vector<std::string> Daemon::stop_components() {
   stopper_.watch(order);
   control_.urgent([&] {
     order->begin();
-    stopped.set_value(deployer_->shutdown(kComponentsMayTake, kOrdinaryMayTake));
+    auto abandoned = deployer_->shutdown(kComponentsMayTake, kOrdinaryMayTake);
+    for (const auto& name : order->stopped_directly()) {
+      running_->stopped_by_end.insert(name);
+    }
+    stopped.set_value(std::move(abandoned));
     control_.halt();
   });
   return stopped.get_future().get();
@@ -378,6 +375,20 @@ void Daemon::leave_by_force(const std::string& cause) {
                                     : "and no safe values could be written now"}});
   unlink(options_.socket.c_str());
   std::this_thread::sleep_for(kCrashHandlerMayTake);
+}
+
+/// The machine lacked descriptors, threads or memory for the threads that serve. An orderly end
+/// could wait for one of those that are missing.
+void Daemon::leave_without(const std::string& lacking) {
+  report_refusal(refuse({Errc::system, "socket_failed"}, options_.socket,
+                        "cannot be served: " + lacking,
+                        "raise the limits of the process (LimitNOFILE=, TasksMax=, MemoryMax=)"));
+  leave_by_force("no command can be served");
+  if (store_) {
+    store_->last_run().refused();
+  }
+  log_.flush();
+  _exit(1);
 }
 
 void Daemon::report_refusal(const Error& error) {

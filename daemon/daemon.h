@@ -53,6 +53,7 @@ class Daemon {
   [[nodiscard]] int shut_down(const std::string& cause);
   [[nodiscard]] std::vector<std::string> stop_components();
   void leave_by_force(const std::string& cause);
+  [[noreturn]] void leave_without(const std::string& lacking);
   void report_refusal(const Error& error);
 
   const Options options_;

@@ -111,7 +111,7 @@ void LastRun::mark_failures() {
     }
   };
   if (auto started = crash_handler_->start(speak); !started) {
-    log_.write(Event::generation_not_saved, {{"text", to_string(started.error())}});
+    log_.write(Event::run_not_recorded, {{"text", to_string(started.error())}});
   }
 }
 
@@ -135,7 +135,7 @@ void LastRun::ended() {
 
 void LastRun::file_crashed() {
   if (auto put = replace_file(file_crashed_, "the file of the last start\n"); !put) {
-    log_.write(Event::generation_not_saved, {{"text", to_string(put.error())}});
+    log_.write(Event::run_not_recorded, {{"text", to_string(put.error())}});
   }
 }
 
@@ -152,7 +152,7 @@ void LastRun::put(std::string_view words, std::uint64_t began_with) {
 
 void LastRun::put(std::string_view text) {
   if (auto put = running_.replace(std::string(text) + "\n"); !put) {
-    log_.write(Event::generation_not_saved,
+    log_.write(Event::run_not_recorded,
                {{"text", to_string(put.error())}, {"file", put.error().at}});
   }
 }

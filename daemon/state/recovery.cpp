@@ -103,7 +103,7 @@ void count_crash(StateStore& store, std::uint64_t started, const Names& stopped,
     return store.last_run().file_crashed();
   }
   if (auto counted = generations.set_crashes(counts->number, counts->crashes + 1); !counted) {
-    log.write(Event::generation_not_saved, {{"text", to_string(counted.error())}});
+    log.write(Event::run_not_recorded, {{"text", to_string(counted.error())}});
   }
 }
 

@@ -37,5 +37,33 @@ TEST(Leaving, WritesTheSafeValuesAlsoWhenNoCommandIsServedAnyMore) {
   EXPECT_TRUE(daemon.says("the safe values of 1 components are written")) << daemon.errors();
 }
 
+/// Each number of descriptors up to the first that suffices.
+TEST(Leaving, IsTheWordOfAStartThatHasTooFewDescriptors) {
+#if defined(MAUVE_SANITIZE_ADDRESS_UNDEFINED)
+  GTEST_SKIP() << "NOT TESTED: the sanitizer needs a descriptor of its own to look at an object";
+#endif
+  const TrialDaemon whole;  // its folder has the file and the plugin
+  const TempDir place;
+  const auto socket = (place / "few").string();
+  const auto file = place.write("trial.json", kTrial).string();
+  bool up = false;
+  for (int few = 6; !up && few < 100; ++few) {
+    const auto errors = (place / std::to_string(few)).string();
+    Process daemon({"/bin/sh", "-c",
+                    "ulimit -n " + std::to_string(few) + "; exec " MAUVE_BIN_DIR "/mauved " + file +
+                        " --realtime off --socket " + socket + " --state-dir " +
+                        place.path().string() + "/state --plugin-dir " + whole.plugins().string()},
+                   errors);
+    ASSERT_TRUE(eventually([&] {
+      up = TempDir::read(errors).find("listening on") != std::string::npos;
+      return up || !daemon.running();
+    }));
+    if (up) break;
+    EXPECT_EQ(daemon.wait(), 1) << "with " << few << " descriptors: " << TempDir::read(errors);
+    EXPECT_NE(TempDir::read(errors), "") << "with " << few << " descriptors";
+  }
+  EXPECT_TRUE(up);
+}
+
 }  // namespace
 }  // namespace mauve::test

@@ -104,6 +104,18 @@ Status may_prepare_change(const Running& running, const Change& change, std::opt
   return only_stops(change) ? ok() : may_prepare(running.control.abandoned_threads(), user);
 }
 
+std::string listed(const std::vector<std::string>& components,
+                   const std::vector<AbandonedThread>& hooks) {
+  std::string text;
+  for (const auto& name : components) {
+    text += (text.empty() ? "" : ", ") + name;
+  }
+  for (const auto& left : hooks) {
+    text += (text.empty() ? "the hook " : ", the hook ") + left.hook;
+  }
+  return text;
+}
+
 Json abandoned_threads(const Running& running) {
   MAUVE_ON_THREAD(control);
   Json rows = Json::array();

@@ -32,6 +32,10 @@ void note_abandoned_in(Running& running, const std::vector<std::string>& compone
 [[nodiscard]] Status may_prepare_change(const Running& running, const Change& change,
                                         std::optional<uid_t> user);
 
+/// "first, the hook second.core on_configure"
+[[nodiscard]] std::string listed(const std::vector<std::string>& components,
+                                 const std::vector<AbandonedThread>& hooks);
+
 /// [control] For `status`.
 [[nodiscard]] Json abandoned_threads(const Running& running);
 
