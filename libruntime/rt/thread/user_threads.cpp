@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <deque>
 #include <list>
 
 #include <dlfcn.h>
@@ -27,6 +28,19 @@ struct Started {
 struct Registry {
   Mutex mutex;
   std::list<Started> threads MAUVE_GUARDED_BY(mutex);
+  /// The newest ones that have ended: who started them may not have joined them yet.
+  std::deque<pthread_t> ended MAUVE_GUARDED_BY(mutex);
+
+  static constexpr std::size_t kMostEnded = 64;
+
+  void note_end(const Started& one) MAUVE_REQUIRES(mutex) {
+    if (one.known) ended.push_back(one.thread);
+    if (ended.size() > kMostEnded) ended.pop_front();
+  }
+  /// A new thread may have the handle of one that has been joined.
+  void forget_end(pthread_t thread) MAUVE_REQUIRES(mutex) {
+    std::erase_if(ended, [thread](pthread_t one) { return pthread_equal(one, thread) != 0; });
+  }
 };
 
 /// Never destroyed: threads may end while the process does.
@@ -83,9 +97,10 @@ std::vector<std::string> threads_started_by(const CodeRange& range) {
 bool started_in_body(pthread_t thread) {
   Registry& all = registry();
   const mauve::MutexLock lock(all.mutex);
-  return std::any_of(all.threads.begin(), all.threads.end(), [thread](const Started& one) {
-    return one.known && pthread_equal(one.thread, thread) != 0;
-  });
+  const auto is_it = [thread](pthread_t one) { return pthread_equal(one, thread) != 0; };
+  return std::any_of(all.ended.begin(), all.ended.end(), is_it) ||
+         std::any_of(all.threads.begin(), all.threads.end(),
+                     [&](const Started& one) { return one.known && is_it(one.thread); });
 }
 
 }  // namespace mauve::rt
@@ -114,8 +129,10 @@ void* run_started(void* start_of) {
   struct Entry {
     std::list<Started>::iterator self;
     ~Entry() {
-      const mauve::MutexLock lock(registry().mutex);
-      registry().threads.erase(self);
+      auto& all = registry();
+      const mauve::MutexLock lock(all.mutex);
+      all.note_end(*self);
+      all.threads.erase(self);
     }
   };
   const Start start = *static_cast<Start*>(start_of);
@@ -135,12 +152,15 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
                    void* argument) noexcept {
   using Create = int(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*);
   static auto* const create = reinterpret_cast<Create*>(dlsym(RTLD_NEXT, "pthread_create"));
+  auto& all = registry();
   if (!mauve::rt::in_body() && !started_by_user_code()) {
-    return create(thread, attributes, function, argument);
+    const int error = create(thread, attributes, function, argument);
+    const mauve::MutexLock lock(all.mutex);
+    if (error == 0) all.forget_end(*thread);
+    return error;
   }
   Started started;
   started.count = backtrace(started.callers.data(), static_cast<int>(started.callers.size()));
-  auto& all = registry();
   auto* const start = new Start{function, argument, {}};
   // The new thread leaves the registry under this lock, so its entry is there until it is complete.
   const mauve::MutexLock lock(all.mutex);
@@ -150,6 +170,7 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
     all.threads.erase(entry);
     delete start;
   } else {
+    all.forget_end(*thread);
     entry->thread = *thread;
     entry->known = true;
   }

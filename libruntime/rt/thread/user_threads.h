@@ -29,7 +29,8 @@ struct CodeRange {
 /// and its caller; under a sanitizer it does not. Not on a real-time thread.
 [[nodiscard]] std::vector<std::string> threads_started_by(const CodeRange& range);
 
-/// Did a job or a hook start this thread, or a thread of such a kind? Not on a real-time thread.
+/// Did a job or a hook start this thread, or a thread of such a kind? Also of one that has ended
+/// and is not joined. Not on a real-time thread.
 [[nodiscard]] bool started_in_body(pthread_t thread);
 
 }  // namespace mauve::rt

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Calls that a job or hook may not make, each row of rt/calls/process_wide.def and those beside.
 #include <algorithm>
+#include <atomic>
 #include <cfenv>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <exception>
 #include <locale>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <fcntl.h>
@@ -151,6 +154,27 @@ TEST_F(Calls, GiveAThreadThatTheBodyStartedAnotherPriority) {
               use(pthread_join(thread, nullptr));
             }),
             "");
+}
+
+TEST_F(Calls, GiveAThreadThatHasEndedAnotherPriority) {
+  static std::atomic<bool> runs{false};
+  for (int round = 0; round < 5; ++round) {
+    EXPECT_EQ(refused([] {
+                pthread_t thread{};
+                const sched_param none{};
+                const auto body = [](void* self) {
+                  runs = true;
+                  return self;
+                };
+                runs = false;
+                use(pthread_create(&thread, nullptr, body, nullptr));
+                while (!runs) std::this_thread::yield();
+                std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                use(pthread_setschedparam(thread, SCHED_OTHER, &none));
+                use(pthread_join(thread, nullptr));
+              }),
+              "");
+  }
 }
 
 TEST_F(Calls, StartAnUrgentProgramFromNoJob) {
