@@ -19,9 +19,9 @@ constexpr unsigned kLooks = 10;  // periods between two looks whether tapped ser
 /// A resource that was held for so long that it could not be tapped is left alone for a while.
 constexpr std::chrono::seconds kBusy{1};
 constexpr std::size_t kTapBytes = 4 * 1024 * 1024;
-/// A second's worth of a fast small value, a few of a large one.
+/// A second's worth of a fast small value, two of a very large one.
 std::size_t capacity_for(const DataType& data) {
-  return std::clamp<std::size_t>(kTapBytes / std::max<std::size_t>(data.size, 1), 16, 2048);
+  return std::clamp<std::size_t>(kTapBytes / std::max<std::size_t>(data.size, 1), 2, 2048);
 }
 
 /// Two samples are the same when value, status and time are equal.

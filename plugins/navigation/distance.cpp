@@ -15,8 +15,8 @@ int floor_divided(int number, int by) {
 
 }  // namespace
 
-Distances::Distances()
-    : squared_(OccupancyGrid::kCapacity, kFar),
+Distances::Distances(std::size_t cells)
+    : squared_(cells, kFar),
       above_(Frame::kLongestSide),
       apex_(Frame::kLongestSide),
       begins_(Frame::kLongestSide) {}

@@ -17,9 +17,12 @@ class Distances {
   /// Squared distances from this on are all the same.
   static constexpr std::uint16_t kFar = 65'025;  // 255 cells
 
-  /// Makes room for any map. [factory]
-  Distances();
-  /// From cells in which solid(index) holds; with `border`, cells outside are solid. [rt]
+  /// Makes room for maps of so many cells. [factory]
+  explicit Distances(std::size_t cells = 0);
+  /// For how many cells there is room. [rt]
+  [[nodiscard]] std::size_t room() const { return squared_.size(); }
+  /// From cells in which solid(index) holds; with `border`, cells outside are solid. There is room
+  /// for the map. [rt]
   template <typename F>
   void measure(const Frame& frame, bool border, F&& solid) {
     for (std::size_t i = 0; i < frame.size(); ++i) squared_[i] = solid(i) ? 0 : kFar;

@@ -25,7 +25,7 @@ using mauve::Result;
 using mauve::Status;
 
 constexpr std::size_t kLongestDescription = 64UL * 1024UL;
-constexpr std::size_t kLongestImage = 8UL * 1024UL * 1024UL;
+constexpr std::size_t kLongestImage = 20UL * 1024UL * 1024UL;
 constexpr std::uint8_t kFreeLevel = 254;
 constexpr std::uint8_t kUnknownLevel = 205;
 constexpr std::uint8_t kOccupiedLevel = 0;

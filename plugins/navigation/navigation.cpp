@@ -30,7 +30,7 @@ double apart(const Point2D& a, const Point2D& b) { return std::hypot(a.x - b.x, 
 
 mauve::Status Navigation::on_configure() {
   if (reach < tolerance) return mauve::invalid(reach, "must not be below tolerance");
-  planner_ = std::make_unique<Planner>();
+  planner_ = std::make_unique<Planner>(static_cast<std::size_t>(map_cells));
   map_seen_ = false;
   return mauve::ok();
 }
@@ -38,7 +38,7 @@ mauve::Status Navigation::on_configure() {
 void Navigation::poll_goal() {
   state->has_goal = 0;
   look_at_map();
-  if (!planner_->has_map()) answer = static_cast<int>(Answer::no_map);
+  if (!planner_->has_map()) answer = static_cast<int>(planner_->why_no_map());
   const Point2D goal = shell().goal.read();
   const bool known = has_value(shell().goal.status()) && read_pose() && planner_->has_map();
   if (!known) return;
@@ -121,7 +121,11 @@ bool Navigation::look_at_map() {
     if (map_seen_ && time == map_time_) return;
     map_seen_ = adopted = true;
     map_time_ = time;
-    planner_->set_map(grid, limits);
+    if (!planner_->set_map(grid, limits) && planner_->why_no_map() == Answer::too_large) {
+      mauve::log(
+          mauve::LogLevel::warning, "the map has {} cells, there is room for {}: set map_cells",
+          static_cast<std::int64_t>(grid.cells.size()), static_cast<std::int64_t>(map_cells));
+    }
   }));
   return adopted;
 }

@@ -81,9 +81,16 @@ class Navigation final : public mauve::Core<NavigationShell> {
       *this, "remember", 20s, "what is not on the map", {.min = 0s, .max = 1h}};
   mauve::Property<mauve::Duration> patience{
       *this, "patience", 10s, "plans anew when it does not get on for", {.min = 1s, .max = 1h}};
+  mauve::Property<std::int64_t> map_cells{
+      *this,
+      "map_cells",
+      1024 * 1024,
+      "room for a map, 23 bytes each",
+      {.min = 1, .max = static_cast<std::int64_t>(OccupancyGrid::kCapacity)}};
   mauve::Observable<int> answer{*this, "answer", 0,
                                 "of the last plan: 0 a way, 1 no map, 2 outside of it, 3 goal "
-                                "blocked, 4 start enclosed, 5 no way, 6 too winding"};
+                                "blocked, 4 start enclosed, 5 no way, 6 too winding, 7 map larger "
+                                "than map_cells"};
   mauve::Observable<int> plans{*this, "plans", 0, "made"};
   mauve::Observable<int> blocked{*this, "blocked", 0, "plans because something was on the path"};
   mauve::Observable<int> strayed{*this, "strayed", 0, "plans because the path was left"};

@@ -41,19 +41,24 @@ std::string_view to_string(Answer answer) {
       return "no way";
     case Answer::too_winding:
       return "too many way points";
+    case Answer::too_large:
+      return "the map has more cells than map_cells";
   }
   return "unknown";
 }
 
-Planner::Planner()
-    : blocked_(OccupancyGrid::kCapacity),
-      nodes_(OccupancyGrid::kCapacity),
-      route_(OccupancyGrid::kCapacity) {}
+Planner::Planner(std::size_t cells)
+    : distances_(cells), blocked_(cells), nodes_(cells), route_(cells) {}
 
 bool Planner::set_map(const OccupancyGrid& grid, const PlannerLimits& limits) {
   has_map_ = false;
+  why_no_map_ = Answer::no_map;
   obstacle_count_ = 0;
   const auto frame = Frame::of(grid);
+  if (frame && frame->size() > distances_.room()) {
+    why_no_map_ = Answer::too_large;
+    return false;
+  }
   if (!frame || !(limits.keep_away >= 0.0)) return false;
   const double radius = limits.keep_away / frame->resolution();
   if (radius > kWidestRadius) return false;
@@ -77,7 +82,7 @@ bool Planner::set_map(const OccupancyGrid& grid, const PlannerLimits& limits) {
 
 Answer Planner::plan(const Point2D& start, const Point2D& goal, Path& path) {
   path.points.clear();
-  if (!has_map_) return Answer::no_map;
+  if (!has_map_) return why_no_map_;
   Point2D from = frame_.cells(start);
   const Point2D to = frame_.cells(goal);
   if (!frame_.inside(from) || !frame_.inside(to)) return Answer::outside;

@@ -46,21 +46,25 @@ enum class Answer : std::uint8_t {
   enclosed,      ///< the start is occupied, or nothing free is near it
   no_way,
   too_winding,  ///< more way points than a path has room for
+  too_large,    ///< more cells than the planner has room for
 };
 
 [[nodiscard]] std::string_view to_string(Answer answer);
 
-/// Takes 24 MB; make it where memory may be asked for. Everything else is [rt].
+/// Takes 23 bytes for each cell; make it where memory may be asked for. Everything else is [rt].
 class Planner {
  public:
   static constexpr std::size_t kObstacles = 512;
 
-  Planner();
+  /// For maps of at most so many cells.
+  explicit Planner(std::size_t cells);
 
-  /// False, and there is no map: see Answer::no_map. Forgets all obstacles. Some 15 ms for a
-  /// million cells.
+  /// False, and there is no map: see Answer::no_map and Answer::too_large. Forgets all obstacles.
+  /// Some 15 ms for a million cells.
   bool set_map(const OccupancyGrid& grid, const PlannerLimits& limits);
   [[nodiscard]] bool has_map() const { return has_map_; }
+  /// The answer of each plan while there is no map.
+  [[nodiscard]] Answer why_no_map() const { return why_no_map_; }
 
   /// From `start`, which may be nearer to something than keep_away: then it leaves there first.
   Answer plan(const Point2D& start, const Point2D& goal, Path& path);
@@ -117,6 +121,7 @@ class Planner {
   Frame frame_;
   PlannerLimits limits_;
   bool has_map_ = false;
+  Answer why_no_map_ = Answer::no_map;
   int radius_ = 0;  // cells
   double radius_squared_ = 0.0;
   Distances distances_;

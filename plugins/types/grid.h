@@ -15,7 +15,7 @@ namespace rover {
 /// Cells row by row from the origin (its lower left corner), x first. The values are those that
 /// robots use elsewhere: 0 free to 100 occupied, -1 unknown.
 struct OccupancyGrid {
-  static constexpr std::size_t kCapacity = 1024UL * 1024UL;
+  static constexpr std::size_t kCapacity = 2048UL * 2048UL;
 
   double time = 0.0;        ///< s, monotonic clock; another one means another map
   double resolution = 0.0;  ///< m, edge of a cell; 0: there is no map

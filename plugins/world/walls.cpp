@@ -36,6 +36,7 @@ bool Walls::set(const rover::OccupancyGrid& grid) {
   const auto frame = navigation::Frame::of(grid);
   if (!frame) return false;
   frame_ = *frame;
+  distances_ = navigation::Distances(frame_.size());
   distances_.measure(frame_, false, [&](std::size_t i) { return grid.cells[i] >= kOccupied; });
   return true;
 }

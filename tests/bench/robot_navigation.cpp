@@ -121,7 +121,7 @@ void report_navigation(const Options& options) {
   const auto keep = with_a_keep();
   const auto walls = std::make_unique<world::Walls>();
   must_hold(walls->set(*small), "no walls");
-  const auto planner = std::make_unique<Planner>();
+  const auto planner = std::make_unique<Planner>(1024UL * 1024UL);
   const auto path = std::make_unique<rover::Path>();
   world::Random random(1);
   for (int round = 0; round < options.rounds; ++round) {

@@ -97,7 +97,8 @@ class Building {
 
   std::unique_ptr<OccupancyGrid> grid_ = std::make_unique<OccupancyGrid>();
   std::unique_ptr<world::Walls> walls_ = std::make_unique<world::Walls>();
-  std::unique_ptr<navigation::Planner> planner_ = std::make_unique<navigation::Planner>();
+  std::unique_ptr<navigation::Planner> planner_ =
+      std::make_unique<navigation::Planner>(1024UL * 1024UL);
 };
 
 /// The state machine of navigation/navigation, on the way.

@@ -30,19 +30,20 @@ class ReadPort final : public PortBase {
 
   /// A read returns `fallback` while there is no data. `Writers::one`: the value moves something,
   /// so one port at most may write into each service of the resource that it comes from.
-  ReadPort(Shell& shell, std::string_view name, T fallback = T{}, Need need = Need::usual,
+  ReadPort(Shell& shell, std::string_view name, const T& fallback, Need need = Need::usual,
            Writers writers = Writers::many)
-      : PortBase(shell, name, Signature::read<T>(), need, writers), default_(std::move(fallback)) {}
+      : PortBase(shell, name, Signature::read<T>(), need, writers), default_(fallback) {}
   /// The same with T{} as fallback.
-  ReadPort(Shell& shell, std::string_view name, Need need, Writers writers = Writers::many)
-      : ReadPort(shell, name, T{}, need, writers) {}
+  ReadPort(Shell& shell, std::string_view name, Need need = Need::usual,
+           Writers writers = Writers::many)
+      : PortBase(shell, name, Signature::read<T>(), need, writers) {}
   /// Refuses to compile, with one sentence.
   template <typename... Wrong>
   requires(
       !detail::kDeclares<2, detail::Types<Shell&, std::string_view, T, Need, Writers>, Wrong...> &&
       !detail::kDeclares<3, detail::Types<Shell&, std::string_view, Need, Writers>,
                          Wrong...>) explicit ReadPort(Wrong&&...)
-      : ReadPort(detail::none<Shell&>(), {}, detail::none<T>()) {
+      : ReadPort(detail::none<Shell&>(), {}, detail::none<const T&>()) {
     static_assert(detail::kNever<Wrong...>,
                   "mauve: a read port is a member of a shell, declared as "
                   "`ReadPort<T> NAME{*this, \"NAME\"};` or with a default of its type, "
@@ -52,7 +53,7 @@ class ReadPort final : public PortBase {
   /// The value, or the default; status() distinguishes them. [rt], wait-free on a SharedData.
   [[nodiscard]] T read() {
     static_assert(sizeof(T) <= kMaxByValue, "mauve: over 4 kB: use read(into) or look()");
-    T value = default_;
+    T value = default_.value();
     static_cast<void>(read(value));
     return value;
   }
@@ -63,7 +64,7 @@ class ReadPort final : public PortBase {
     const DataStatus status = aged(exchange().latest.seek(cursor_));
     status_ = status;
     if (status == DataStatus::no_data) [[unlikely]] {
-      into = default_;
+      default_.put_into(into);
     } else {
       exchange().copy(into, cursor_);
     }
@@ -90,7 +91,7 @@ class ReadPort final : public PortBase {
  private:
   [[gnu::noinline]] DataStatus read_by_call(T& into) {
     visit([&](ServiceBase& service) { return service.read(&into, cursor_); });
-    if (!has_value(status_)) into = default_;
+    if (!has_value(status_)) default_.put_into(into);
     return status_;
   }
   template <typename Ask>
@@ -126,7 +127,7 @@ class ReadPort final : public PortBase {
     return age() > max_age() ? DataStatus::stale : status;
   }
 
-  T default_;
+  detail::PortDefault<T, (sizeof(T) > kMaxByValue)> default_;
   /// The copy for look(), of a type that is too large for the stack.
   std::unique_ptr<T> shown_ = sizeof(T) > kMaxByValue ? std::make_unique<T>() : nullptr;
   DataStatus status_ = DataStatus::no_data;

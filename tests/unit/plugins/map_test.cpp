@@ -187,7 +187,7 @@ TEST(Pgm, IsRefusedWithItsReason) {
                             "P5 1x 4 255\n", "P5 99999999999 4 255\n", "P5 # 1 1 255"}) {
     expect(wrong, "no sensible size");
   }
-  expect("P5 1025 1024 255\n", "1049600 cells");
+  expect("P5 2049 2048 255\n", "4196352 cells");
   expect("P5 65535 65535 255\n", "4294836225 cells");
   expect("P5 8193 1 255\n", "8193 cells");
   expect("P5 1 1 65535\nab", "largest level is 65535");

@@ -69,7 +69,7 @@ bool touches(const Reference& reference, const Point2D& start, const Path& path)
 
 TEST(Distances, AreThoseToTheNearestSolidCell) {
   world::Random random(3);
-  const auto distances = std::make_unique<navigation::Distances>();
+  const auto distances = std::make_unique<navigation::Distances>(30 * 30);
   for (int round = 0; round < 60; ++round) {
     const int width = 1 + static_cast<int>(random.uniform(0.0, 30.0));
     const int height = 1 + static_cast<int>(random.uniform(0.0, 30.0));
@@ -99,7 +99,7 @@ TEST(Distances, AreThoseToTheNearestSolidCell) {
 TEST(Planner, FindsWaysAsShortAsThoseOfTheGridAndTouchesNothing) {
   const auto grid = building();
   const Reference reference(*grid, 0.45);
-  const auto planner = std::make_unique<Planner>();
+  const auto planner = std::make_unique<Planner>(1024UL * 1024UL);
   ASSERT_TRUE(planner->set_map(*grid, {0.45, false}));
   world::Random random(7);
   Path path;
@@ -127,8 +127,8 @@ TEST(Planner, FindsWaysAsShortAsThoseOfTheGridAndTouchesNothing) {
 
 TEST(Planner, AnswersTheSameQuestionTheSameWay) {
   const auto grid = building();
-  const auto first = std::make_unique<Planner>();
-  const auto second = std::make_unique<Planner>();
+  const auto first = std::make_unique<Planner>(1024UL * 1024UL);
+  const auto second = std::make_unique<Planner>(1024UL * 1024UL);
   ASSERT_TRUE(first->set_map(*grid, {}));
   ASSERT_TRUE(second->set_map(*grid, {}));
   Path a;
@@ -144,8 +144,22 @@ TEST(Planner, AnswersTheSameQuestionTheSameWay) {
   }
 }
 
+TEST(Planner, PlansThroughTheLargestMapAndRefusesOneThatIsLargerThanItsRoom) {
+  const auto hall = empty_grid(2048, 2048, 0.05);
+  ASSERT_EQ(hall->cells.size(), 2048UL * 2048UL);
+  const auto small = std::make_unique<Planner>(hall->cells.size() - 1);
+  const auto large = std::make_unique<Planner>(hall->cells.size());
+  Path path;
+
+  EXPECT_FALSE(small->set_map(*hall, {}));
+  EXPECT_EQ(small->plan({1, 1}, {101, 101}, path), Answer::too_large);
+  ASSERT_TRUE(large->set_map(*hall, {}));
+  EXPECT_EQ(large->plan({1, 1}, {101, 101}, path), Answer::found);
+  EXPECT_EQ(path.points.size(), 1U);
+}
+
 TEST(Planner, GoesStraightWhereNothingIsInTheWay) {
-  const auto planner = std::make_unique<Planner>();
+  const auto planner = std::make_unique<Planner>(1024UL * 1024UL);
   ASSERT_TRUE(planner->set_map(*building(), {}));
   Path path;
 
@@ -158,7 +172,7 @@ TEST(Planner, GoesStraightWhereNothingIsInTheWay) {
 }
 
 TEST(Planner, LeavesAPlaceThatIsTooNearToAWall) {
-  const auto planner = std::make_unique<Planner>();
+  const auto planner = std::make_unique<Planner>(1024UL * 1024UL);
   const auto grid = building();
   ASSERT_TRUE(planner->set_map(*grid, {0.45, false}));
   const Reference walls(*grid, 0.0);
@@ -174,7 +188,7 @@ TEST(Planner, LeavesAPlaceThatIsTooNearToAWall) {
 }
 
 TEST(Planner, LeavesWhatHasComeTooNear) {
-  const auto planner = std::make_unique<Planner>();
+  const auto planner = std::make_unique<Planner>(1024UL * 1024UL);
   ASSERT_TRUE(planner->set_map(*empty_grid(100, 100, 0.1), {0.5, false}));
   planner->block({5.3, 5.0}, 10.0);
   Path path;
@@ -190,7 +204,7 @@ TEST(Planner, KnowsMapsThatLieAskew) {
   const auto grid = building();
   grid->origin.heading = 0.7;
   const Reference reference(*grid, 0.45);
-  const auto planner = std::make_unique<Planner>();
+  const auto planner = std::make_unique<Planner>(1024UL * 1024UL);
   ASSERT_TRUE(planner->set_map(*grid, {0.45, false}));
   const Point2D start = reference.frame().world({80.5, 100.5});
   const Point2D goal = reference.frame().world({400.5, 250.5});
@@ -205,7 +219,7 @@ TEST(Planner, KnowsMapsThatLieAskew) {
 TEST(Planner, SaysNoWayWhenThereIsNone) {
   const auto grid = empty_grid(200, 100, 0.1);
   fill(*grid, 100, 0, 101, 100, 100);
-  const auto planner = std::make_unique<Planner>();
+  const auto planner = std::make_unique<Planner>(1024UL * 1024UL);
   Path path;
   EXPECT_EQ(planner->plan({1, 1}, {2, 2}, path), Answer::no_map);
   ASSERT_TRUE(planner->set_map(*grid, {0.3, false}));
@@ -222,7 +236,7 @@ TEST(Planner, SaysNoWayWhenThereIsNone) {
 TEST(Planner, DoesNotDriveThroughTheUnknownUnlessItMay) {
   const auto grid = empty_grid(100, 100, 0.1);
   fill(*grid, 45, 0, 55, 100, -1);
-  const auto planner = std::make_unique<Planner>();
+  const auto planner = std::make_unique<Planner>(1024UL * 1024UL);
   Path path;
 
   ASSERT_TRUE(planner->set_map(*grid, {0.3, false}));
@@ -232,7 +246,7 @@ TEST(Planner, DoesNotDriveThroughTheUnknownUnlessItMay) {
 }
 
 TEST(Planner, GoesRoundWhatIsNotOnTheMapUntilItsTimeIsOver) {
-  const auto planner = std::make_unique<Planner>();
+  const auto planner = std::make_unique<Planner>(1024UL * 1024UL);
   ASSERT_TRUE(planner->set_map(*empty_grid(100, 100, 0.1), {0.5, false}));
   Path path;
   planner->block({5, 5}, 10.0);
@@ -251,7 +265,7 @@ TEST(Planner, GoesRoundWhatIsNotOnTheMapUntilItsTimeIsOver) {
 }
 
 TEST(Planner, TakesMoreObstaclesThanItHasRoomFor) {
-  const auto planner = std::make_unique<Planner>();
+  const auto planner = std::make_unique<Planner>(1024UL * 1024UL);
   ASSERT_TRUE(planner->set_map(*empty_grid(100, 100, 0.1), {0.0, false}));
   for (int i = 0; i < 5000; ++i)
     planner->block({0.1 * (i % 100) + 0.05, 0.1 * (i / 100) + 0.05}, 1);
@@ -267,7 +281,7 @@ TEST(Planner, RefusesAWayWithMorePointsThanAPathHasRoomFor) {
     const int low = wall % 2 == 0 ? 0 : 1;
     fill(*grid, 2 * wall, low, 2 * wall + 1, low + 15, 100);
   }
-  const auto planner = std::make_unique<Planner>();
+  const auto planner = std::make_unique<Planner>(1024UL * 1024UL);
   ASSERT_TRUE(planner->set_map(*grid, {0.0, false}));
   Path path;
 
@@ -276,7 +290,7 @@ TEST(Planner, RefusesAWayWithMorePointsThanAPathHasRoomFor) {
 }
 
 TEST(Planner, RefusesMapsThatAreNone) {
-  const auto planner = std::make_unique<Planner>();
+  const auto planner = std::make_unique<Planner>(1024UL * 1024UL);
   const auto grid = empty_grid(10, 10, 0.1);
   const auto refused = [&](auto change) {
     const auto copy = std::make_unique<OccupancyGrid>(*grid);

@@ -186,9 +186,9 @@ TEST_F(RosMaps, AreRefusedWhenTheirSizesDoNotFit) {
   EXPECT_FALSE(from());
   small(0xffffffffU, 0xffffffffU, 1);
   EXPECT_FALSE(from());
-  small(1024, 1025, 1024UL * 1025UL);
+  small(2048, 2049, 2048UL * 2049UL);
   EXPECT_FALSE(from());
-  small(1024, 1024, 1024UL * 1024UL);
+  small(2048, 2048, 2048UL * 2048UL);
   EXPECT_TRUE(from());
 }
 

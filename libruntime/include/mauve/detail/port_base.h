@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -152,4 +153,40 @@ class PortBase {
   Signature signature_;
 };
 
+namespace detail {
+
+/// A value of T, for a read without data.
+template <typename T, bool kIsLarge>
+class PortDefault {
+ public:
+  PortDefault() = default;
+  explicit PortDefault(const T& value) : value_(value) {}
+
+  [[nodiscard]] const T& value() const { return value_; }
+  void put_into(T& into) const { into = value_; }
+
+ private:
+  T value_{};
+};
+
+/// Of a type that is too large for the stack. T{} takes no memory, and is made in its place.
+template <typename T>
+class PortDefault<T, true> {
+ public:
+  PortDefault() = default;
+  explicit PortDefault(const T& value) : value_(std::make_unique<const T>(value)) {}
+
+  void put_into(T& into) const {
+    if (value_ != nullptr) {
+      into = *value_;
+    } else {
+      std::construct_at(&into);
+    }
+  }
+
+ private:
+  std::unique_ptr<const T> value_;  // null: T{}
+};
+
+}  // namespace detail
 }  // namespace mauve
