@@ -97,6 +97,19 @@ bool JobRunner::run_watched(void (*code)(void*), JobEnd& end, Instant now, rt::F
   return ours;
 }
 
+Job& JobRunner::enter_job(Instant start, Instant release) {
+  Job& job = this_job();
+  job.start = start;
+  job.release = release;
+  job.running = true;
+  job.lock_waits = {};
+  job.implausible = nullptr;
+  job.threw_in = nullptr;
+  job.lock_bound = task_.current->shortest_wait;
+  this_report() = &task_.report;
+  return job;
+}
+
 void JobRunner::leave_job() {
   Job& job = this_job();
   rt::end_preemption_watch();
@@ -117,15 +130,7 @@ bool JobRunner::let_core_stop() {
   const CoreBase* const core = task_.current->bundle->core.get();
   if (!task_.running || task_.failed || core == task_.abandoned_core) return true;
   const Instant now = task_.meter.now();
-  Job& job = this_job();
-  job.start = now;
-  job.release = now;
-  job.running = true;
-  job.lock_waits = {};
-  job.implausible = nullptr;
-  job.threw_in = nullptr;
-  job.lock_bound = task_.current->shortest_wait;
-  this_report() = &task_.report;
+  enter_job(now, now);
   JobEnd end{*this, now};
   rt::Fault fault;
   const bool ours = run_watched(&JobEnd::stop, end, now, fault);
@@ -135,17 +140,9 @@ bool JobRunner::let_core_stop() {
 }
 
 void JobRunner::begin(Instant now) {
-  Job& job = this_job();
-  job.start = now;
-  job.release = task_.release;
+  Job& job = enter_job(now, task_.release);
   const Instant before = std::exchange(task_.last_release, task_.release);
   job.step = before != 0 ? Duration{task_.release - before} : task_.current->shortest_wait;
-  job.running = true;
-  job.lock_waits = {};
-  job.implausible = nullptr;
-  job.threw_in = nullptr;
-  job.lock_bound = task_.current->shortest_wait;
-  this_report() = &task_.report;
   job.trace = &task_.report.trace().ring;
   task_.report.record(TraceKind::release, now, task_.release - task_.t0, task_.number);
   Counters& counters = task_.report.counters();

@@ -8,6 +8,7 @@
 namespace mauve {
 
 class FsmState;
+struct Job;
 
 namespace rt {
 struct Fault;
@@ -44,6 +45,7 @@ class JobRunner {
   /// Runs `code`, which is user code of the core, from `now` on. False: as of run(); else `fault`
   /// and `end` have its outcome.
   [[nodiscard]] bool run_watched(void (*code)(void*), JobEnd& end, Instant now, rt::Fault& fault);
+  Job& enter_job(Instant start, Instant release);
   void leave_job();
   [[nodiscard]] bool fail_for(Instant start, const JobEnd& end, const rt::Fault& fault);
   void conclude(Instant start, const JobEnd& end, const rt::Fault& fault);
