@@ -192,6 +192,11 @@ void report_reading(const Trace& trace, Scene& scene) {
     scene.left_out.push_back("the releases of " + counted(scene.without_arrows, "component") +
                              ", whose arrows would touch");
   }
+  if (std::ranges::all_of(scene.rows, [](const Row& row) { return row.boxes.empty(); })) {
+    scene.left_out.push_back(
+        "jobs, since none ran: the components stand, or a thread of another program keeps them "
+        "from their processor (mauvectl doctor)");
+  }
   if (!trace.reading.complete) scene.left_out.push_back("the file was cut off");
   if (trace.header.lost > 0) {
     scene.left_out.push_back(counted(trace.header.lost, "record") + " that were lost");

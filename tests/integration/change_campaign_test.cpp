@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// A change costs no release, whatever the order of changes: MAUVE_CHANGES (150) of all kinds, 25
-/// ms apart, in an order that MAUVE_SEED decides. The trace proves it. The requests and their
-/// outcomes stand in a file that the test names.
+/// ms apart, in an order that MAUVE_SEED decides. The trace proves it. The system can be started
+/// as it runs at any time. The requests and their outcomes stand in a file that the test names.
 #include <chrono>
 #include <cstdio>
 #include <deque>
@@ -15,6 +15,7 @@
 #include "changeable_systems.h"
 #include "mtrace/file.h"
 #include "rt/thread/thread.h"
+#include "start_oracle.h"
 #include "support/foreign_realtime.h"
 #include "support/lost_releases.h"
 #include "support/number_in.h"
@@ -278,7 +279,9 @@ class ChangeCampaign : public testing::Test {
     ASSERT_EQ(daemon.ask("trace.start", {{"seconds", kKept}})["on"], true) << daemon.errors();
     ChangeLog log(place_ / "changes");
     Witness witness(daemon, log, place_, system.excused);
+    StartOracle start(daemon);
     change(daemon, system, log);
+    start.finish();
     witness.finish();
     witness.report();
     for (const auto& [outcome, count] : log.outcomes()) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// MAUVE_REQUESTS (3000) requests of all methods, most of them wrong, from 24 clients of three
-/// roles, while others change and stop: mauved serves on, nothing is left of the clients, and no
-/// component loses a release by them.
+/// roles, while others change and stop: mauved serves on, nothing is left of the clients, no
+/// component loses a release by them, and what runs can be started.
 #include <grp.h>
 #include <sys/syscall.h>
 
@@ -15,6 +15,7 @@
 #include "mtrace/file.h"
 #include "request_mutator.h"
 #include "rt/thread/thread.h"
+#include "start_oracle.h"
 #include "support/crowd.h"
 #include "support/foreign_realtime.h"
 #include "support/lost_releases.h"
@@ -289,6 +290,7 @@ class MutatedRequests : public testing::Test {
     std::atomic<bool> end{false};
     int applied = 0;
     Stops stops;
+    StartOracle start(daemon);
     std::vector<std::thread> beside;
     beside.emplace_back([&, client = std::make_shared<RawClient>(daemon.client())] {
       applied = change_on(std::move(*client), end);
@@ -304,6 +306,7 @@ class MutatedRequests : public testing::Test {
     for (auto& thread : hostile) thread.join();
     end = true;
     for (auto& thread : beside) thread.join();
+    start.finish();
 
     std::printf(
         "%lu lines sent, %lu answers, %lu rounds of them late, %lu connections closed; %d changes; "
