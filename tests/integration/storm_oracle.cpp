@@ -6,6 +6,11 @@
 #include <iterator>
 
 namespace mauve::test {
+namespace {
+
+constexpr const char* kStop = "component.stop";
+
+}  // namespace
 
 void StormOracle::check_status(const Json& components, Moment from, Moment to) {
   const std::lock_guard lock(mutex_);
@@ -64,6 +69,18 @@ void StormOracle::check_history(const Json& items) {
   }
 }
 
+void StormOracle::forget_lost_stops(const Json& items) {
+  const std::lock_guard lock(mutex_);
+  std::set<std::uint64_t> stops;
+  for (const auto& item : items) {
+    if (item.value("command", "") == kStop) stops.insert(item.value("generation", 0ULL));
+  }
+  const auto lost = [&](const auto& one) {
+    return one.second.method == kStop && !stops.contains(one.first);
+  };
+  missing_[kStop] += static_cast<int>(std::erase_if(made_, lost));
+}
+
 void StormOracle::check_saved(const Json& items) {
   constexpr std::size_t kFar = 90;
   const std::lock_guard lock(mutex_);
@@ -75,8 +92,8 @@ void StormOracle::check_saved(const Json& items) {
   for (auto it = made_.lower_bound(from); it != made_.end(); ++it) {
     const Made& made = it->second;
     // The rollback of a core that fails at once may be in force before the answer.
-    const bool may_lack = made.method == "component.stop" || made.method == "core.swap" ||
-                          made.method == "plugin.reload";
+    const bool may_lack =
+        made.method == kStop || made.method == "core.swap" || made.method == "plugin.reload";
     if (made.saved && !there.contains(made.generation)) {
       ++missing_[made.method];
       if (!may_lack) {

@@ -87,6 +87,9 @@ class StormOracle {
   void check_content(const Json& architecture, Moment from, bool after_restart);
   /// The history tells the same about each generation as its answer, and never anything else later.
   void check_history(const Json& items);
+  /// After an end. A stop is answered when it is saved itself, before its generation is: a crash
+  /// may have freed the number.
+  void forget_lost_stops(const Json& items);
   /// A generation that was answered as saved is in the history, as far as that reaches back.
   void check_saved(const Json& items);
   void violate(const std::string& text) {

@@ -232,6 +232,7 @@ class Storm : public Generations {
     oracle_.note("=== mauved has begun");
     boot_ = me_->look("version")["boot"];
     const auto history = me_->look("config.history")["items"];
+    oracle_.forget_lost_stops(history);
     oracle_.check_history(history);
     oracle_.check_saved(history);
     const auto first = first_of_this_run();
