@@ -49,9 +49,11 @@ ComponentState state_of(System& system, const ComponentBase& component) {
 }
 
 /// The clean-up of a core beside a job that is still in it would pull its device from under it.
-Status check_nobody_inside(const System& system, PreparedChange& change) {
-  const PreparedMember& member = change.content().members.front();
-  if (!system.runner->has_abandoned(nullptr, member.base->core.get())) return ok();
+bool somebody_is_inside(const System& system, const PreparedMember& member) {
+  return system.runner->has_abandoned(nullptr, member.base->core.get());
+}
+
+Error still_inside(const PreparedMember& member) {
   return refuse({Errc::wrong_state, "component_abandoned"}, member.component->name(),
                 "a job that did not return is still in its core, so the core is not cleaned up",
                 "wait until the job has returned, or restart mauved when the robot stands");
@@ -79,7 +81,8 @@ Result<PreparedChange> prepare_in_place(System& system, const Edit& edit,
   change.made_from = made_from;
   auto prepared = prepare_change(system, change, false);
   if (!prepared) return prepared;
-  if (Status free = check_nobody_inside(system, *prepared); !free) return free.error();
+  const PreparedMember& member = prepared->content().members.front();
+  if (somebody_is_inside(system, member)) return still_inside(member);
   return prepared;
 }
 
@@ -132,13 +135,15 @@ std::shared_ptr<Ongoing> begin_in_place_park(System& system, PreparedChange& cha
 
 Status in_place_exchange(System& system, PreparedChange& change) {
   const PreparedMember& member = change.content().members.front();
-  if (Status free = check_nobody_inside(system, change); !free) return free;
+  const bool occupied = somebody_is_inside(system, member);
+  if (occupied && !member.restores) return still_inside(member);
   const Elements old = elements_of(*member.base, *member.next);
   const Inside inside;
   if (!inside)
     return refuse({Errc::timed_out, "preparation_abandoned"}, member.component->name(),
                   "was dropped before: its thread was abandoned");
-  Status configured = cleanup_in_reverse(old);
+  // A rollback leaves a core in use as it is: that core is cleaned up when its job has returned.
+  Status configured = occupied ? ok() : cleanup_in_reverse(old);
   if (!abandoned_here()) configured = configure(elements_of(*member.next, *member.base));
   // When the thread was abandoned, the component stays parked, without its old core.
   if (configured || abandoned_here() || member.restores) return configured;

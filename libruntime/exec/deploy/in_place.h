@@ -30,7 +30,7 @@ Result<PreparedChange> prepare_back_in_place(System& system, std::string_view co
 /// [control]
 [[nodiscard]] std::shared_ptr<Ongoing> begin_in_place_park(System& system, PreparedChange& change);
 /// [factory] Cleans the old core up and configures the new one, or the old one again. Refused while
-/// an abandoned thread of the component may be in the old core.
+/// an abandoned thread may be in the old core; a rollback then leaves that core as it is.
 Status in_place_exchange(System& system, PreparedChange& change);
 /// [control]
 Result<std::shared_ptr<Ongoing>> begin_in_place_resume(System& system, PreparedChange& change,
