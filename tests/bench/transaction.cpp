@@ -70,7 +70,8 @@ class Observing final : public exec::Runner {
   }
   bool end(exec::Task& task, Instant deadline) override { return threads_->end(task, deadline); }
   void look_again() override { threads_->look_again(); }
-  [[nodiscard]] bool has_abandoned(const exec::Task* task, const CoreBase* core) const override {
+  [[nodiscard]] bool has_abandoned(const exec::Task* task,
+                                   const mauve::CoreBase* core) const override {
     return threads_->has_abandoned(task, core);
   }
 
