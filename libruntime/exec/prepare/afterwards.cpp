@@ -41,9 +41,12 @@ bool Afterwards::leaves(std::string_view name) const {
 Status Afterwards::may_open(const std::string& component, const CoreBase& core) const {
   Devices devices;
   for (const ComponentBase* one : system_.architecture.components()) {
-    const bool changes = std::any_of(change_.edits.begin(), change_.edits.end(),
-                                     [&](const Edit& edit) { return edit.member == one->name(); });
-    if (!changes && !leaves(one->name())) devices.put(one->name(), *one->bundle()->core, false);
+    const bool another_changes =
+        one->name() != component &&
+        std::any_of(change_.edits.begin(), change_.edits.end(),
+                    [&](const Edit& edit) { return edit.member == one->name(); });
+    if (!another_changes && !leaves(one->name()))
+      devices.put(one->name(), *one->bundle()->core, false);
   }
   devices.put(component, core, true);
   return devices.check();

@@ -228,6 +228,32 @@ TEST_F(ExclusiveOutputAtRunTime, MayHaveAWatchdogBelowItsBudgetWhichIsNoted) {
   EXPECT_THAT(notes_of(robot), Contains(note));
 }
 
+struct DriverOfADevice : Core<EmptyShell> {
+  Stateless stateless{*this};
+  Property<std::string> device{*this, "device", "pty:one", "", {.within = "/dev/ pty:"}};
+  Property<double> gain{*this, "gain", 1.0};
+  void update() {}
+};
+struct TwoDrivers : Architecture {
+  Component<EmptyShell, DriverOfADevice, PeriodicFsm<DriverOfADevice>> base{*this, "base"};
+  Component<EmptyShell, DriverOfADevice, PeriodicFsm<DriverOfADevice>> second{*this, "second"};
+};
+
+/// Two paths may come to mean one device, when it is plugged in again.
+TEST(Devices, ThatHaveBecomeOneBlameNoChangeOfAnotherValue) {
+  TwoDrivers robot;
+  Deployer deployer(robot, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+
+  EXPECT_TRUE(deployer.set("base.core.gain", 2.0));
+  ASSERT_TRUE(deployer.set("base.core.device", std::string("pty:two")));
+  const auto refused = deployer.set("base.core.device", std::string("pty:one"));
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().id, "device_has_driver");
+  EXPECT_EQ(refused.error().at, "base.core.device");
+}
+
 TEST(Notes, NameTransactionsThatWouldAddASecondWriter) {
   using rules::Action;
   Robot robot;
