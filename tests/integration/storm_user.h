@@ -178,7 +178,8 @@ class StormUser {
     if (outcome != Outcome::done) return;
     const bool saved = result.value("saved", false);
     if (request.method == "change.confirm") {
-      if (saved) oracle_.confirmed(generation);
+      // A note says that something is left open, so that no start uses this generation yet.
+      if (saved && !result.contains("notes")) oracle_.confirmed(generation);
     } else if (request.method == "change.undo") {
       oracle_.undone(result["undone"]["generations"]);
     } else if (result.value("state", "") == "applied" && result.value("changed", false) &&
