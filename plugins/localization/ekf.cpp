@@ -120,20 +120,26 @@ void apply(const Innovation<N>& innovation, Estimate& estimate) {
         estimate);
 }
 
+/// A reading contradicts the others, which costs them.
+void doubt(Rival& rival) {
+  constexpr int kCost = 5;  // readings: a compass with a glitch each second gets its way, but not
+                            // one that contradicts itself in one reading of six
+  rival.agreeing = std::max(0, rival.agreeing - kCost);
+  if (rival.agreeing == 0) rival = {};
+}
+
 /// Measurements that stay outside the gate and agree with one another, for long enough, are right.
 template <int N>
 bool gives_in(const Parameters& p, const Innovation<N>& seen, Rival& rival,
               const Estimate& estimate) {
   double apart = 0.0;
   for (int i = 0; i < N; ++i) {
-    auto& before = rival.offset[static_cast<std::size_t>(i)];
-    apart += square(seen.value[i] - before) / seen.noise(i, i);
-    before = seen.value[i];
+    apart += square(seen.value[i] - rival.offset[static_cast<std::size_t>(i)]) / seen.noise(i, i);
   }
-  if (rival.agreeing == 0 || apart > kGate[N]) {
-    rival.agreeing = 0;
-    rival.since = estimate.time;
-  }
+  if (rival.agreeing > 0 && apart > kGate[N]) doubt(rival);
+  if (rival.agreeing > 0 && apart > kGate[N]) return false;
+  if (rival.agreeing == 0) rival.since = estimate.time;
+  for (int i = 0; i < N; ++i) rival.offset[static_cast<std::size_t>(i)] = seen.value[i];
   ++rival.agreeing;
   return p.reacquire_after > 0 && rival.agreeing >= p.reacquire_after &&
          estimate.time - rival.since >= kPersists;
@@ -161,7 +167,7 @@ void take(const Parameters& p, const Innovation<N>& seen, const std::array<int, 
     rival = {};
     return apply(again, estimate);
   }
-  rival = {};
+  doubt(rival);
   apply(seen, estimate);
 }
 
@@ -191,7 +197,7 @@ void take_heading(const Parameters& p, double heading, Estimate& estimate) {
       innovation<1>(estimate, seen_by_compass(mean), Column<1>(mean[kHeading] + error),
                     Column<1>(square(p.compass)));
   if (inside(p, seen)) {
-    estimate.odd_heading = {};
+    doubt(estimate.odd_heading);
     return apply(seen, estimate);
   }
   ++estimate.outliers;

@@ -79,10 +79,12 @@ class GnssToUtmCore final : public mauve::Core<GnssToUtmShell> {
     shell().pose.write({now() - latency, point->x - origin.easting, point->y - origin.northing,
                         says ? fix.hdop * range_error : 0.0});
     ++positions;
+    look_at_distance(std::hypot(point->x - origin.easting, point->y - origin.northing));
     silence_.ended();
   }
 
  private:
+  static constexpr double kFar = 100'000.0;   // m from the origin
   static constexpr double kWorstHdop = 99.0;  // beyond it the receiver does not know
 
   [[nodiscard]] static double now() { return mauve::to_seconds(mauve::job_time()); }
@@ -119,6 +121,7 @@ class GnssToUtmCore final : public mauve::Core<GnssToUtmShell> {
   mauve::Observable<int> mode{*this, "mode", 1, "1 none, 2 two dimensions, 3 three"};
   mauve::Observable<double> hdop{*this, "hdop", 0.0, "of the last epoch"};
   mauve::Observable<int> zone{*this, "zone", 0, "of UTM; 0: not yet known"};
+  mauve::Warning far{*this, "far", "the fixes are far from the origin"};
 
   mauve::Status on_configure() override {
     fixed_ = {};
@@ -126,6 +129,18 @@ class GnssToUtmCore final : public mauve::Core<GnssToUtmShell> {
     *origin_ = {};
     search_ = {};
     return mauve::ok();
+  }
+
+  /// Fixes that were wrong alike make a wrong origin.
+  void look_at_distance(double metres) {
+    if (metres > kFar) {
+      far.begin(
+          "the fixes are {} km from the origin: if that was found wrongly, a stop and a start of "
+          "this resource find it anew",
+          static_cast<std::int64_t>(metres / 1000.0));
+    } else {
+      far.end("the fixes are near the origin again");
+    }
   }
 
   void refuse(const Origin& origin) {

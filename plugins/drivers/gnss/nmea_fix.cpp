@@ -14,20 +14,30 @@ using rover::GnssFix;
 
 constexpr int kTrusted = 2;      // that many times RMC or GLL agreed with GGA
 constexpr double kStale = 10.0;  // s that the status of another epoch counts
+constexpr double kLate = 2.0;    // s that a talker may be behind the first one
 constexpr double kSecondsOfADay = 86'400.0;
 
 using Validity = Witness::Status;
 
-/// "V" is void. Of the modes N is none, E dead reckoning, M by hand, S simulated.
+constexpr std::string_view kUnmeasured = "NEMS";  // none, dead reckoning, by hand, simulated
+
+/// Of GNS, which has a mode for each system.
+Validity status_of_modes(std::string_view modes) {
+  if (modes.empty()) return Validity::unknown;
+  const bool none = modes.find_first_not_of(kUnmeasured) == std::string_view::npos;
+  return none ? Validity::invalid : Validity::valid;
+}
+
+/// "V" is void.
 Validity status_of(std::string_view status, std::string_view mode) {
   if (status == "V") return Validity::invalid;
-  if (mode.size() == 1 && std::string_view("NEMS").find(mode) != std::string_view::npos) {
+  if (mode.size() == 1 && kUnmeasured.find(mode) != std::string_view::npos) {
     return Validity::invalid;
   }
   return status == "A" ? Validity::valid : Validity::unknown;
 }
 
-/// From RMC or GLL, with these places of its time and position.
+/// From RMC, GLL or GNS, with these places of its time and position.
 Witness read_witness(const Fields& fields, std::size_t time, std::size_t place, Validity status) {
   Witness said;
   said.status = status;
@@ -101,6 +111,12 @@ bool Talkers::begins(const Talker& talker, double time) const {
   return time >= 0.0 ? time != time_ : talker == first_ || talker == last_;
 }
 
+bool Talkers::comes_late(const Talker& talker, double time) const {
+  if (time < 0.0 || time_ < 0.0 || talker == first_) return false;
+  const double behind = std::remainder(time_ - time, kSecondsOfADay);
+  return behind > 0.0 && behind <= kLate;
+}
+
 Talkers::Use Talkers::take(const Talker& talker, double time, double rank) {
   if (begins(talker, time)) {
     awaited_ = best_ == first_ ? Talker{} : best_;
@@ -133,6 +149,7 @@ FixReader::Event FixReader::read(std::string_view frame) {
   if (sentence == "GLL") {
     return hear(read_witness(fields, 5, 1, status_of(fields[6], fields[7])), gll_);
   }
+  if (sentence == "GNS") return hear(read_witness(fields, 1, 2, status_of_modes(fields[6])), gns_);
   return Event::ignored;
 }
 
@@ -149,6 +166,7 @@ FixReader::Event FixReader::read_gga(const Fields& fields) {
   const std::optional<Gga> gga = parse_gga(fields, dimensions_);
   if (!gga) return Event::malformed;
   const Talkers::Talker talker{fields[0][0], fields[0][1]};
+  if (talkers_.comes_late(talker, gga->time)) return Event::ignored;
   unread_ = holds() && talkers_.begins(talker, gga->time);
   if (unread_) return release();
   const Talkers::Use use = talkers_.take(talker, gga->time, gga->rank);
@@ -182,7 +200,7 @@ FixReader::Event FixReader::begin(const Gga& gga) {
   return waits_ ? Event::ignored : decide(status_known());
 }
 
-/// The fix is complete: what RMC and GLL say decides whether it is one.
+/// The fix is complete: what RMC, GLL and GNS say decides whether it is one.
 FixReader::Event FixReader::decide(Status status) {
   waits_ = false;
   // A receiver that searches repeats an old position, with 0 satellites in GGA.
@@ -192,7 +210,7 @@ FixReader::Event FixReader::decide(Status status) {
     fix_.mode = 1;
     fix_.latitude = fix_.longitude = fix_.altitude = 0.0;
   }
-  for (const Witness* said : {&rmc_, &gll_}) {
+  for (const Witness* said : witnesses()) {
     if (!same_epoch(*said, fix_)) continue;
     const bool same = same_place(*said, fix_, grain_);
     context_.confirmed = context_.confirmed || same;
@@ -206,10 +224,9 @@ FixReader::Event FixReader::decide(Status status) {
 
 FixReader::Event FixReader::hear(const Witness& said, Witness& kept) {
   kept = said;
-  if (at(said, time_) && said.status != Status::unknown) {
-    answered_ = true;
-    if (waits_) return decide(status_now());
-  }
+  const bool of_epoch = at(said, time_);
+  if (said.status != Status::unknown) answered_ = answered_ || of_epoch || time_ < 0.0;
+  if (waits_ && of_epoch && said.status != Status::unknown) return decide(status_now());
   if (!waits_ && same_epoch(said, fix_)) compare(same_place(said, fix_, grain_));
   return Event::ignored;
 }
@@ -217,7 +234,7 @@ FixReader::Event FixReader::hear(const Witness& said, Witness& kept) {
 /// Of the epoch of the last GGA.
 Witness::Status FixReader::status_now() const {
   Status status = Status::unknown;
-  for (const Witness* said : {&rmc_, &gll_}) {
+  for (const Witness* said : witnesses()) {
     if (!at(*said, time_) || said->status == Status::unknown) continue;
     if (said->status == Status::invalid) return Status::invalid;
     status = Status::valid;
@@ -227,7 +244,7 @@ Witness::Status FixReader::status_now() const {
 
 /// Of an epoch shortly before.
 Witness::Status FixReader::status_before() const {
-  for (const Witness* said : {&rmc_, &gll_}) {
+  for (const Witness* said : witnesses()) {
     if (said->status != Status::invalid || said->time < 0.0 || time_ < 0.0) continue;
     if (std::abs(std::remainder(time_ - said->time, kSecondsOfADay)) <= kStale)
       return Status::invalid;

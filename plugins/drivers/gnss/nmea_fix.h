@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// From NMEA sentences to gnss_fix/1: one fix for each epoch, from GGA. Its dimensions are from the
-/// last GSA, and RMC and GLL say whether it is valid and confirm it.
+/// last GSA, and RMC, GLL and GNS say whether it is valid and confirm it.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace drivers {
 
-/// Time, place and status as RMC or GLL have them.
+/// Time, place and status as RMC, GLL or GNS have them.
 struct Witness {
   enum class Status : std::uint8_t { unknown, valid, invalid };
 
@@ -49,6 +49,8 @@ class Talkers {
 
   /// A GGA of `time` (below 0: none) is of another epoch than the one before.
   [[nodiscard]] bool begins(const Talker& talker, double time) const;
+  /// A GGA of another talker than the first one, of an epoch before this one.
+  [[nodiscard]] bool comes_late(const Talker& talker, double time) const;
   /// Takes a GGA.
   Use take(const Talker& talker, double time, double rank);
   /// The epoch is used without the awaited talker.
@@ -94,6 +96,7 @@ class FixReader {
   Event read_gsa(const Fields& fields);
   Event hear(const Witness& said, Witness& kept);
   Event decide(Status status);
+  [[nodiscard]] std::array<const Witness*, 3> witnesses() const { return {&rmc_, &gll_, &gns_}; }
   [[nodiscard]] Status status_now() const;
   [[nodiscard]] Status status_before() const;
   [[nodiscard]] Status status_known() const;
@@ -103,6 +106,7 @@ class FixReader {
   FixContext context_;
   Witness rmc_;
   Witness gll_;
+  Witness gns_;
   Talkers talkers_;
   std::optional<Gga> held_;     // for the awaited talker
   double time_ = -1.0;          // of the last GGA

@@ -37,6 +37,18 @@ TEST(EkfPersistence, GivesInToACompassWhoseReadingsAgree) {
   }
 }
 
+TEST(EkfPersistence, GivesInToACompassWithAGlitchNowAndThen) {
+  const Parameters parameters;
+  for (const double glitch : {-1.2, 2.9}) {
+    Estimate estimate = standing(parameters, 2.9);
+    for (int i = 1; i <= 1000; ++i) {
+      const double heading = i % 60 == 0 ? glitch : 0.0;
+      correct(parameters, Imu{i * 0.025, 0.0, 0.0, 0.0, heading, true}, estimate);
+    }
+    EXPECT_NEAR(estimate.mean[kHeading], 0.0, 0.05) << glitch;
+  }
+}
+
 TEST(EkfPersistence, GivesInToACompassAcrossTheSeam) {
   const Parameters parameters;
   Estimate estimate = standing(parameters, 0.0);

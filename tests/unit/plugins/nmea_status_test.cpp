@@ -72,6 +72,23 @@ TEST(NmeaStatus, VoidRmcOrGllOfTheSameEpochMakesItNoFix) {
       << "one is enough";
 }
 
+TEST(NmeaStatus, GnsMakesItNoFixWhenNoSystemHasMeasured) {
+  const auto gns_at = [](int second, const std::string& modes) {
+    return "GNGNS," + clock_at(second) + ",4334.00000,N,00128.00000,E," + modes +
+           ",09,0.9,150.0,48.0,,";
+  };
+  for (const char* modes : {"NN", "SS", "EE", "NEMS"}) {
+    EXPECT_EQ(epochs_of({gns_at(0, modes), gga_at(0, "1", "09")}).at(0).mode, 1) << modes;
+  }
+  for (const char* modes : {"AN", "NA", "RR", "F", ""}) {
+    EXPECT_EQ(epochs_of({gns_at(0, modes), gga_at(0, "1", "09")}).at(0).mode, 3) << modes;
+  }
+  const auto found =
+      epochs_of({"GPGGA,,,,,,0,,,,,,,,", gns_at(0, "NN"), gga_at(1, "1", "04"), gns_at(1, "AN")});
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[1].mode, 3) << "the first epoch with a fix waits for its own GNS";
+}
+
 TEST(NmeaStatus, IsWaitedForWhereItComesAfterGgaAndTheLastWasVoid) {
   std::vector<std::string> frames;
   for (int second = 0; second < 6; ++second) {
@@ -135,6 +152,19 @@ TEST(NmeaTalkers, EachEpochIsWrittenOnceByTheTalkerWithTheMostSatellites) {
     ASSERT_EQ(epochs.size(), 10U);
     for (std::size_t i = 1; i < 10; ++i) EXPECT_EQ(epochs[i].satellites, 5) << i;
   }
+}
+
+TEST(NmeaTalkers, OneThatIsAnEpochBehindIsNotUsed) {
+  std::vector<std::string> frames;
+  for (int second = 0; second < 10; ++second) {
+    frames.push_back(gga_at(second, "1", "09"));
+    if (second > 0) frames.push_back(gga_at(second - 1, "1", "12", "GA"));
+  }
+
+  const auto epochs = epochs_of(frames);
+
+  ASSERT_EQ(epochs.size(), 10U);
+  for (std::size_t i = 1; i < epochs.size(); ++i) EXPECT_GT(epochs[i].time, epochs[i - 1].time);
 }
 
 TEST(NmeaTalkers, ASentenceThatComesTwiceIsOneEpoch) {
