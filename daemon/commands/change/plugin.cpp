@@ -16,6 +16,7 @@
 #include "commands/recovery/abandoned.h"
 #include "commands/recovery/former.h"
 #include "commands/say.h"
+#include "start_warnings.h"
 #include "supervision/supervisor.h"
 
 namespace mauve::daemon {
@@ -25,13 +26,6 @@ namespace {
 using logging::Event;
 using plugin::Library;
 using plugin::LoadedPlugin;
-
-void log_loaded(Running& running, const plugin::PluginInfo& info) {
-  running.log.write(Event::plugin_loaded, {{"plugin", info.name},
-                                           {"version", info.version},
-                                           {"file", info.file},
-                                           {"build_id", info.build_id}});
-}
 
 struct Load {
   std::string name;
@@ -64,7 +58,7 @@ void finish_load(Running& running, const Call& call, Load& load) {
   if (!done) {
     return answer(running, call, done.error());
   }
-  log_loaded(running, info);
+  log_loaded(running.log, info);
   Json result{{"plugin", info.name},
               {"version", info.version},
               {"warnings", info.warnings},
@@ -208,7 +202,7 @@ void unload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
       [&running, call, ticket = std::move(ticket)]() mutable {
         auto retired = std::make_shared<Retired>(running.deployer.collect());
         running.control.in_factory(
-            [retired] { static_cast<void>(retired->release()); },
+            [&running, retired] { clean_up(running, *retired); },
             [&running, call, ticket = std::move(ticket)]() mutable {
               unload_settled(running, call, text_or(call->params, "plugin"), std::move(ticket));
             },

@@ -8,6 +8,7 @@
 
 #include "changes/control.h"
 #include "commands/command.h"
+#include "mauve/host/retired.h"
 
 namespace mauve::daemon {
 
@@ -60,6 +61,14 @@ Event event_of(const plugin::Unmapped& code) {
     return Event::plugin_unloaded;
   }
   return code.types_only ? Event::plugin_types_used : Event::plugin_resident;
+}
+
+void clean_up(Running& running, Retired& retired) {
+  const auto cleaned = retired.release();
+  if (!cleaned) {
+    running.log.write(logging::Event::clean_up_failed,
+                      {{"component", cleaned.error().at}, {"text", to_string(cleaned.error())}});
+  }
 }
 
 Status check_former(const Running& running, const std::string& plugin) {

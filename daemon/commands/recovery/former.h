@@ -16,6 +16,7 @@
 #include "state/builds.h"
 
 namespace mauve {
+class Retired;
 struct Outcome;
 }  // namespace mauve
 
@@ -41,6 +42,9 @@ struct Former {
 
 /// Whether replaced or unloaded code has left the memory, in the words of the log.
 [[nodiscard]] logging::Event event_of(const plugin::Unmapped& code);
+
+/// [factory] Releases the elements, and logs the first hook of them that failed.
+void clean_up(Running& running, Retired& retired);
 
 /// [control] Refused while a reload of this plugin is on probation: only one former build is kept.
 [[nodiscard]] Status check_former(const Running& running, const std::string& plugin);

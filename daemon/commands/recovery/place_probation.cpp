@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/recovery/place_probation.h"
+#include "commands/recovery/former.h"
 
 #include "base/thread_role.h"
 
@@ -63,8 +64,8 @@ bool is_at_rest(const Running& running, const PlaceProbation& place) {
 /// Elements are freed on [factory], since their destructors are user code.
 void free_in_factory(Running& running, RollbackPtr way, Ticket ticket) {
   running.control.in_factory(
-      [way = std::move(way)]() mutable {
-        static_cast<void>(way->retired.release());
+      [&running, way = std::move(way)]() mutable {
+        clean_up(running, way->retired);
         way.reset();
       },
       [ticket = std::move(ticket)] {});

@@ -49,7 +49,9 @@ Status Configurable::cleanup() {
   if (Status outside = refuse_in_job(address_, "cleanup()"); !outside) return outside;
   if (!configured()) return ok();
   configured_.store(false, std::memory_order_release);
-  return call_hook(address_, "on_cleanup", [this] { return on_cleanup(), ok(); });
+  Status done = call_hook(address_, "on_cleanup", [this] { return on_cleanup(), ok(); });
+  unclean_ = !done;
+  return done;
 }
 
 void Configurable::adopt(std::string address) {

@@ -10,13 +10,19 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <string>
+#include <system_error>
 
 #include "rt/calls/original.h"
 #include "rt/thread/run_guarded.h"
 
 namespace mauve::plugin {
 
-bool is_of_the_system(std::string_view path) {
+bool is_of_the_system(std::string_view named) {
+  std::error_code failed;
+  const auto real = std::filesystem::weakly_canonical(named, failed);
+  const std::string path = failed ? std::string(named) : real.string();
   constexpr std::array<std::string_view, 4> kFolders{"/lib/", "/lib64/", "/usr/lib/",
                                                      "/usr/lib64/"};
   return std::ranges::any_of(kFolders, [&](auto folder) { return path.starts_with(folder); });

@@ -20,6 +20,7 @@ struct Arithmetic : ramp::RampCore {
   Observable<double> third{*this, "third"};
   Observable<bool> subnormals{*this, "subnormals"};
   Observable<bool> traps{*this, "traps"};
+  Observable<bool> wide{*this, "wide"};
 
   void update() override {
     volatile double one = 1.0;
@@ -28,6 +29,8 @@ struct Arithmetic : ramp::RampCore {
     third = one / three;
     subnormals = smallest / 2.0 > 0.0;
     traps = fegetexcept() != 0;
+    volatile long double wide_three = 3.0L;
+    wide = 1.0L / wide_three * wide_three == 1.0L;
   }
 };
 
@@ -38,10 +41,23 @@ struct Careless : Arithmetic {
     std::fesetround(FE_UPWARD);
 #if defined(__x86_64__)
     _mm_setcsr(_mm_getcsr() | 0x8040U);  // flush to zero, denormals are zero
+    volatile long double zero = 0.0L;
+    volatile long double endless = 1.0L / zero;  // the trap below waits for the next instruction
+    static_cast<void>(endless);
 #endif
     feenableexcept(FE_DIVBYZERO | FE_INVALID);
   }
 };
+
+#if defined(__x86_64__)
+/// Leaves the registers of long double in use.
+struct LeavesRegisters : Arithmetic {
+  void update() override {
+    Arithmetic::update();
+    asm volatile("pxor %mm0, %mm0\n\tpxor %mm7, %mm7");
+  }
+};
+#endif
 
 struct Machine : ramp::One<Careless> {};
 
@@ -55,6 +71,7 @@ void expect_default(const Machine& machine) {
   EXPECT_EQ(core.third, 1.0 / 3.0);
   EXPECT_TRUE(core.subnormals);
   EXPECT_FALSE(core.traps);
+  EXPECT_TRUE(core.wide);
 }
 
 TEST_F(FloatEnvironment, IsTheDefaultInEachJobOfACoreThatChangesIt) {
@@ -66,6 +83,18 @@ TEST_F(FloatEnvironment, IsTheDefaultInEachJobOfACoreThatChangesIt) {
 
   expect_default(architecture);
 }
+
+#if defined(__x86_64__)
+TEST_F(FloatEnvironment, HasItsRegistersFreeInEachJob) {
+  ramp::One<LeavesRegisters> architecture;
+  Deployer deployer{architecture, {.simulated = true}};
+  ASSERT_TRUE(deployer.deploy());
+
+  deployer.run_for(100ms);
+
+  EXPECT_TRUE(dynamic_cast<const Arithmetic&>(*architecture.control.bundle()->core).wide);
+}
+#endif
 
 TEST_F(FloatEnvironment, IsTheDefaultForACoreThatComesAfterOneThatChangedIt) {
   Machine architecture;

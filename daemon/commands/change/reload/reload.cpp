@@ -121,7 +121,7 @@ Status hand_names_over(Running& running, Reload& reload) {
 /// [factory] Messages of the old code are text in the old code: they are reported before it is
 /// unloaded.
 void free_old(Running& running, Reload& reload, bool in_force) {
-  static_cast<void>(reload.retired.release());
+  clean_up(running, reload.retired);
   reload.prepared.reset();
   reload.change = {};  // the new types, and with them their library
   reload.loaded.reset();

@@ -37,6 +37,9 @@ class Configurable {
   Status configure();
   /// Calls on_cleanup() when configured. An exception of the hook is swallowed and returned.
   Status cleanup();
+  /// Runtime only: on_cleanup() did not end, so the element must not be destroyed: a thread of it
+  /// may still run, or not be joined.
+  [[nodiscard]] bool mauve_is_unclean() const { return unclean_; }
 
   /// In the order of declaration.
   [[nodiscard]] const std::vector<PropertyBase*>& properties() const { return properties_; }
@@ -72,6 +75,7 @@ class Configurable {
   std::string address_;
   std::function<void(const std::string& address)> given_address_;
   std::atomic<bool> configured_{false};
+  bool unclean_ = false;
   std::optional<Error> pending_error_;  // a refused value or connection, reported by configure()
   std::vector<PropertyBase*> properties_;
   std::vector<ObservableBase*> observables_;

@@ -25,7 +25,8 @@ class Retired {
   }
   ~Retired() { static_cast<void>(release()); }
 
-  /// Cleans up in the reverse order of dependency; the first error of a hook is returned.
+  /// Cleans up in the reverse order of dependency; the first error of a hook is returned. An
+  /// element whose clean-up failed stays in memory.
   Status release();
   /// Runtime only: the added elements are in force now.
   void forget() {
