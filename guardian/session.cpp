@@ -245,8 +245,9 @@ void Session::watch_beats() {
     beats_ = beats;
     return;
   }
-  silent_ += passed;
-  if (limit_ == 0 || silent_ < limit_ || reported_silent_) return;
+  const std::uint32_t starved = page_->starved_ms.load(std::memory_order_relaxed);
+  silent_ = std::max(silent_ + passed, starved * kMillisecond);
+  if (limit_ == 0 || silent_ < limit_ || reported_silent_ || orders_.count() == 0) return;
   reported_silent_ = true;
   const Sent sent = send_orders();
   say("mauved (process %d) was silent for %lld ms: %u of %u outputs were put into their safe "

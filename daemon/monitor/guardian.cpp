@@ -36,6 +36,11 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
+std::string who_was_silent() {
+  const auto component = rt::starved_component();
+  return component.empty() ? "mauved was silent" : component + " got no processor";
+}
+
 std::string found_text(const rt::GuardianNews& news) {
   std::string text =
       news.state.how == How::service ? "the guardian service" : "a guardian of its own";
@@ -82,7 +87,8 @@ void Guardian::report(const rt::GuardianNews& news) {
       }
       return;
     case What::silence:
-      log_.write(Event::outputs_made_safe, {{"lasted", format_duration(news.lasted)},
+      log_.write(Event::outputs_made_safe, {{"text", who_was_silent()},
+                                            {"lasted", format_duration(news.lasted)},
                                             {"done", static_cast<std::int64_t>(news.done)},
                                             {"total", static_cast<std::int64_t>(news.total)}});
       cause_ = "the guardian took the outputs in a standstill";

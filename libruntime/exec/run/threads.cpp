@@ -177,6 +177,15 @@ class Threads final : public Runner {
       if (thread.keeps(priority, attributes.cpus)) task.count_restored();
     }
 
+    /// How long others keep the thread of a component with a guarded output from the processor; 0:
+    /// they do not.
+    [[nodiscard]] Duration starved(Instant now) {
+      if (quit.load() || !task.outputs().holds_any()) return Duration{0};
+      const Duration bound = task.bound(attributes.priority > 0);
+      return turn.starved(now, {task.known_release(), thread.used(), bound},
+                          [this] { return thread.asleep(); });
+    }
+
     Task& task;
     rt::ThreadAttributes attributes;
     TurnWatch turn;
@@ -260,35 +269,34 @@ class Threads final : public Runner {
       const std::uint32_t seen = bell_.load();
       Instant next = now() + rt::Pulse::kTurn.count();
       bool served = true;
+      Duration starved{0};
+      const bool beats = beats_ && rt::beats_are_heard();
       {
         const rt::PiMutexLock lock(mutex_);
+        std::string_view kept_waiting;
         for (auto& [task, worker] : workers_) {
           next = std::min(next, look_at(worker));
+          if (const Duration time = worker->starved(now()); time > starved) {
+            starved = time;
+            kept_waiting = task->name();
+          }
           served = is_served(*worker) && served;
         }
         next = std::min(next, join_lost());
+        if (beats) rt::say_starved(starved, kept_waiting);
       }
-      if (beats_ && rt::beats_are_heard()) {
-        if (served) rt::beat();
-        next = std::min(next, now() + rt::kBeatPeriod.count());
-      }
+      if (beats && served && starved == Duration{0}) rt::beat();
+      if (beats) next = std::min(next, now() + rt::kBeatPeriod.count());
       rt::futex_wait_until(bell_, seen, next);
     }
   }
 
   /// False for a release that is overdue by more than the bound of a job. The guard would have
-  /// ended a job in its way by then, so the guard cannot help either. False too for a component
-  /// with a guarded output whose thread others keep from the processor.
-  [[nodiscard]] bool is_served(Worker& worker) const {
+  /// ended a job in its way by then, so the guard cannot help either.
+  [[nodiscard]] bool is_served(const Worker& worker) const {
     const Duration bound = worker.task.bound(worker.attributes.priority > 0);
-    if (worker.quit.load()) return true;
-    const Instant release = worker.task.known_release();
-    if (worker.task.outputs().holds_any() &&
-        !worker.turn.look(now(), {release, worker.thread.used(), bound},
-                          [&worker] { return worker.thread.asleep(); })) {
-      return false;
-    }
-    return bound <= Duration{0} || now() < release + (bound + kBeyondBound).count();
+    const Instant latest = worker.task.known_release() + (bound + kBeyondBound).count();
+    return worker.quit.load() || bound <= Duration{0} || now() < latest;
   }
 
   /// The host does not let its CPU run at this moment, and charges that time to its job: the job is

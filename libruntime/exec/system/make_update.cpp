@@ -60,21 +60,23 @@ void add_safe_writes(const PreparedMember& member, TaskUpdate& next) {
 }  // namespace
 
 Duration bound_of(const Bundle& bundle) {
-  // Virtual machines hold healthy threads up for tens of milliseconds. After 950 ms of a second the
+  // Virtual machines hold healthy threads up for tens of milliseconds; the guard excuses these, and
+  // a device that a job commands must be safe within 100 ms. After 950 ms of a second the
   // kernel stops all real-time threads of a CPU for the rest of it (sched_rt_runtime_us). That
   // includes more urgent threads, so a job that loops must end long before, beside others that use
   // half of the CPU.
-  constexpr Duration kShortest = 100ms;
+  constexpr Duration kShortest = 75ms;
+  constexpr std::int64_t kTimes = 5;
   constexpr Duration kLongest = 400ms;
   const TaskAttributes& task = bundle.task;
   if (task.watchdog > Duration{0}) return task.watchdog;
   if (task.budget > Duration{0}) {
-    return std::clamp(10 * task.budget, kShortest, std::max(kLongest, 2 * task.budget));
+    return std::clamp(kTimes * task.budget, kShortest, std::max(kLongest, 2 * task.budget));
   }
   Duration longest{0};
   for (const FsmState* state : bundle.fsm->states()) longest = std::max(longest, state->duration());
   // A component without a declared budget may use nearly a whole wait of a second.
-  return std::clamp(10 * longest, kShortest, std::clamp(longest, kLongest, 2 * kLongest));
+  return std::clamp(kTimes * longest, kShortest, std::clamp(longest, kLongest, 2 * kLongest));
 }
 
 std::unique_ptr<TaskUpdate> first_bundle(const ComponentBase& component, Mode mode) {

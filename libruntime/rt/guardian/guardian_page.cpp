@@ -6,11 +6,16 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstddef>
 #include <new>
 #include <string>
 #include <system_error>
+
+#include <mauve/host/clock.h>
+
+#include "rt/thread/pi_mutex.h"
 
 namespace mauve::rt {
 namespace {
@@ -18,6 +23,14 @@ namespace {
 std::atomic<guardian::Page*> heard_page{nullptr};
 /// Of the one thread that owns a page. The thread uses no robust mutex, so it needs no other list.
 robust_list_head page_list{};
+
+/// The last words of say_starved().
+struct {
+  PiMutex mutex;
+  std::array<char, 64> name{};
+  std::size_t size = 0;
+  Instant said = 0;  // 0: never
+} starved;
 
 Error no_page(const char* doing) {
   return refuse({Errc::system, "guardian_failed"}, "guardian",
@@ -39,6 +52,24 @@ bool beats_are_heard() { return heard_page.load(std::memory_order_acquire) != nu
 void beat() {
   guardian::Page* const page = heard_page.load(std::memory_order_acquire);
   if (page != nullptr) page->beats.fetch_add(1, std::memory_order_relaxed);
+}
+
+void say_starved(Duration time, std::string_view component) {
+  guardian::Page* const page = heard_page.load(std::memory_order_acquire);
+  if (page == nullptr) return;
+  if (time > Duration{0}) {
+    const PiMutexLock lock(starved.mutex);
+    starved.size = component.copy(starved.name.data(), starved.name.size());
+    starved.said = MonotonicClock().now();
+  }
+  page->starved_ms.store(static_cast<std::uint32_t>(time / 1ms), std::memory_order_relaxed);
+}
+
+std::string starved_component() {
+  const PiMutexLock lock(starved.mutex);
+  const bool lately =
+      starved.said != 0 && MonotonicClock().now() - starved.said < Duration{1s}.count();
+  return lately ? std::string(starved.name.data(), starved.size) : std::string();
 }
 
 namespace guardian {

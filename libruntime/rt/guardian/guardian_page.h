@@ -2,6 +2,9 @@
 /// The page of this process that its guardian sees (guardian_wire.h), and the beats in it.
 #pragma once
 
+#include <string>
+#include <string_view>
+
 #include <mauve/result.h>
 #include <mauve/time.h>
 
@@ -18,6 +21,11 @@ inline constexpr Duration kBeatPeriod{10'000'000};
 /// Adds one beat. Call it only while all components are served, on a thread that no load of the
 /// machine can hold up. The guardian takes 60 ms without a beat for an end. [rt]
 void beat();
+/// So long this component with a guarded output is kept from the processor, upon which the guardian
+/// acts at once. 0: none is. On the same thread. [rt]
+void say_starved(Duration time, std::string_view component);
+/// The component that say_starved() named within the last second; empty: none. [any but rt]
+[[nodiscard]] std::string starved_component();
 
 namespace guardian {
 

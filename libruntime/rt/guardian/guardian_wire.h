@@ -15,7 +15,7 @@
 namespace mauve::rt::guardian {
 
 /// Of messages and page; another version is refused.
-inline constexpr std::uint32_t kVersion = 2;
+inline constexpr std::uint32_t kVersion = 3;
 inline constexpr std::size_t kMostOutputs = 32;
 inline constexpr std::size_t kMostBytes = 256;
 /// All orders must have gone out this long after the end was noticed, in milliseconds.
@@ -28,7 +28,8 @@ struct Page {
   std::uint32_t unused;
   void* entry;                       ///< of a robust futex list (set_robust_list(2)), mauved's own
   std::atomic<std::uint32_t> owner;  ///< that futex: the thread, FUTEX_WAITERS, FUTEX_OWNER_DIED
-  std::uint32_t unused_too;
+  std::atomic<std::uint32_t>
+      starved_ms;                    ///< so long a guarded component gets no processor; 0: none
   std::atomic<std::uint64_t> beats;  ///< rises while components are served
 };
 static_assert(std::is_standard_layout_v<Page>);

@@ -52,7 +52,7 @@ struct TaskAttributes {
   unsigned overrun_limit = 1;
   FaultPolicy on_fault;  ///< see there
   /// A job that runs longer is treated as one that never returns: it is interrupted, or its thread
-  /// is abandoned (see on_fault). Zero: ten budgets, else ten times the longest wait, at least 100
+  /// is abandoned (see on_fault). Zero: five budgets, else five times the longest wait, at least 75
   /// ms and at most 400 ms (two budgets, or a wait of up to 800 ms). So a job that loops ends
   /// before the kernel throttles all real-time threads of its CPU.
   Duration watchdog{0};
