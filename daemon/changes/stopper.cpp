@@ -30,6 +30,21 @@ bool StopOrder::begin() {
   return direct_ != nullptr;
 }
 
+void StopOrder::found(std::vector<std::string> running) {
+  MAUVE_ON_THREAD(control);
+  const MutexLock lock(mutex_);
+  found_ = std::move(running);
+}
+
+/// [control] may have ordered some of them to stop before it was held up.
+std::vector<std::string> StopOrder::ran() const {
+  auto names = direct_->ran();
+  std::ranges::copy_if(found_, std::back_inserter(names), [&](const auto& name) {
+    return std::ranges::find(names, name) == names.end();
+  });
+  return names;
+}
+
 void StopOrder::end(Deployer& deployer) {
   MAUVE_ON_THREAD(control);
   const MutexLock lock(mutex_);
@@ -41,7 +56,7 @@ void StopOrder::end(Deployer& deployer) {
 
 std::vector<std::string> StopOrder::stopped_directly() const {
   const MutexLock lock(mutex_);
-  return direct_ != nullptr ? direct_->ran() : std::vector<std::string>();
+  return direct_ != nullptr ? ran() : std::vector<std::string>();
 }
 
 void Stopper::start(Deployer& deployer) {
@@ -110,7 +125,7 @@ bool Stopper::look(StopOrder& order) {
   if (!order.direct_->advance()) {
     return false;
   }
-  return !order.report_ || order.report_(*order.direct_);
+  return !order.report_ || order.report_(*order.direct_, order.ran());
 }
 
 /// It has not come to the stop yet, or has come to it and does not look after it any more.
@@ -132,8 +147,8 @@ bool Stopper::begin_directly(StopOrder& order) {
   if (order.direct_ == nullptr) {
     return false;
   }
-  if (!order.direct_->ran().empty()) {
-    log_.write(logging::Event::stopped_directly, {{"text", listed(order.direct_->ran())}});
+  if (const auto ran = order.ran(); !ran.empty()) {
+    log_.write(logging::Event::stopped_directly, {{"text", listed(ran)}});
   }
   return true;
 }

@@ -25,16 +25,19 @@ namespace mauve::daemon {
 class StopOrder {
  public:
   /// `components`: none: all. `applies` is asked right before it is carried out directly: false:
-  /// [control] is going to refuse it. `report` gets the end of that, also that some run still, and
-  /// is called again as long as it returns false. Both may be empty, and are called on [stop].
+  /// [control] is going to refuse it. `report` gets the end of that, also that some run still, with
+  /// the names of all that ran; it is called again as long as it returns false. Both may be empty,
+  /// and are called on [stop].
   StopOrder(std::vector<std::string> components, std::function<bool()> applies,
-            std::function<bool(const DirectStop&)> report)
+            std::function<bool(const DirectStop&, const std::vector<std::string>& ran)> report)
       : components_(std::move(components)),
         applies_(std::move(applies)),
         report_(std::move(report)) {}
 
   /// [control] serves it from now on. True: it was carried out directly.
   bool begin();
+  /// [control] found these running when it began to stop them.
+  void found(std::vector<std::string> running);
   /// [control] has served it, or refused it: it is not carried out directly any more.
   void end(Deployer& deployer);
   /// Components that ran when it was carried out directly; none: it was not. [any]
@@ -43,13 +46,16 @@ class StopOrder {
  private:
   friend class Stopper;
 
+  [[nodiscard]] std::vector<std::string> ran() const MAUVE_REQUIRES(mutex_);
+
   const std::vector<std::string> components_;
   const std::function<bool()> applies_;
-  const std::function<bool(const DirectStop&)> report_;
+  const std::function<bool(const DirectStop&, const std::vector<std::string>& ran)> report_;
 
   mutable Mutex mutex_;  ///< guards the members below
   bool begun_ MAUVE_GUARDED_BY(mutex_) = false;
   bool over_ MAUVE_GUARDED_BY(mutex_) = false;
+  std::vector<std::string> found_ MAUVE_GUARDED_BY(mutex_);
   std::unique_ptr<DirectStop> direct_ MAUVE_GUARDED_BY(mutex_);
   unsigned waited_ MAUVE_GUARDED_BY(mutex_) =
       0;  ///< looks of [stop] since it came, or since [control] did something

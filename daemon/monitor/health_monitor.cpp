@@ -16,8 +16,10 @@
 #include "commands/look/notice.h"
 #include "commands/model.h"
 #include "commands/recovery/abandoned.h"
+#include "commands/recovery/former.h"
 #include "commands/recovery/quarantine.h"
 #include "commands/recovery/unproven.h"
+#include "commands/stops.h"
 #include "mauve/host/architecture.h"
 #include "rt/process/pulse.h"
 #include "state/state_store.h"
@@ -136,7 +138,8 @@ void HealthMonitor::report_outcomes() {
     settle(outcome);
   }
   if (!retired->empty()) {
-    running_->control.in_factory([retired] { static_cast<void>(retired->release()); }, [] {});
+    running_->control.in_factory([running = running_, retired] { clean_up(*running, *retired); },
+                                 [] {});
   }
 }
 
@@ -157,6 +160,7 @@ void HealthMonitor::report(const Outcome& outcome) {
   running_->counts.note(outcome);
   if (outcome.kind == Outcome::Kind::rolled_back) {
     // Before the generation is saved.
+    static_cast<void>(save_stops(*running_));  // the rollback of a start brings its stop back
     running_->supervisor.roll_back(outcome.generations, !outcome.component.empty());
     running_->rollback = outcome.generation;
   }

@@ -227,6 +227,25 @@ TEST_F(UserStop, EndsWithStepsOfAUserThatStartIt) {
   EXPECT_EQ(state_of("second"), "running");
 }
 
+TEST_F(UserStop, StandsAgainWhenTheStartThatEndedItIsUndone) {
+  begin();
+  ASSERT_EQ(daemon->ask("component.stop", kSecondOnly)["saved"], true);
+  const auto started = daemon->ask(
+      "change.apply",
+      steps({{{"start", "second"}}, {{"set", "first.core.gain"}, {"value", 3.0}}}, "1h"));
+  ASSERT_EQ(started["state"], "applied") << started;
+  EXPECT_EQ(state_of("second"), "running");
+
+  ASSERT_EQ(daemon->ask("change.undo")["state"], "applied");
+
+  EXPECT_TRUE(stands());
+  EXPECT_TRUE(daemon->component("second").contains("stopped_by"));
+  end_and_start(*daemon);
+  EXPECT_TRUE(stands()) << "also after an end in order and a start";
+  EXPECT_THAT(notes_in(apply_file(kTrial)), HasSubstr("second stays stopped"));
+  EXPECT_TRUE(stands()) << "no file starts it";
+}
+
 TEST_F(UserStop, StandsAgainstAReloadOfItsPlugin) {
   begin();
   ASSERT_EQ(daemon->ask("component.stop", kSecondOnly)["saved"], true);

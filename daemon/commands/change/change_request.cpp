@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/change/change_request.h"
+#include "commands/recovery/former.h"
 #include "commands/say.h"
 
 #include <algorithm>
@@ -22,15 +23,14 @@ namespace mauve::daemon {
 namespace {
 
 /// [factory]
-Status free_all(ChangeRequest& request) {
-  auto cleaned = request.retired.release();
+void free_all(Running& running, ChangeRequest& request) {
+  clean_up(running, request.retired);
   const std::string at = request.change.edits.empty() ? "" : request.change.edits[0].member;
   static_cast<void>(drop_elements(at, [&request] {
     request.prepared.reset();
     request.change = {};
     request.hooks.reset();
   }));
-  return cleaned;
 }
 
 bool starts_something(const Change& change) {
@@ -131,13 +131,7 @@ std::vector<std::string> components_of(const Change& change) {
 
 void free_in_factory(Running& running, ChangeRequestPtr request, Ticket ticket) {
   running.control.in_factory(
-      [&running, request = std::move(request)] {
-        const auto cleaned = free_all(*request);
-        if (!cleaned) {
-          running.log.write(logging::Event::clean_up_failed,
-                            {{"component", cleaned.error().at}, {"text", cleaned.error().message}});
-        }
-      },
+      [&running, request = std::move(request)] { free_all(running, *request); },
       [ticket = std::move(ticket)] {});
 }
 
@@ -198,8 +192,28 @@ std::uint64_t stops_of(const std::map<std::string, std::uint64_t>& stops, const 
   return sum;
 }
 
+/// Between the stages of a stop of all, a start would leave half of the machine running.
+Status check_being_stopped(const Running& running, const std::vector<std::string>& starts) {
+  const auto found = std::ranges::find_if(starts, [&](const auto& name) {
+    return running.user_stops != nullptr && running.user_stops->is_under_way(name);
+  });
+  if (found == starts.end()) {
+    return ok();
+  }
+  return refuse({Errc::conflict, "stopped_meanwhile"}, *found,
+                "is being stopped at this moment, so nothing starts it",
+                "start it when the stop has been answered");
+}
+
 Status may_begin(const Running& running, const Change& change) {
-  auto allowed = check_lock_of_all(running, change);
+  std::vector<std::string> starts;
+  for (const auto& edit : change.edits) {
+    if (edit.mode == Mode::run) {
+      starts.push_back(edit.member);
+    }
+  }
+  auto allowed = check_being_stopped(running, starts);
+  allowed = allowed ? check_lock_of_all(running, change) : allowed;
   allowed = allowed ? check_quarantine(running, change) : allowed;
   return allowed ? check_abandoned_in(running, change) : allowed;
 }

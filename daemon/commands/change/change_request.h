@@ -53,6 +53,10 @@ void say_consequences(const Running& running, ChangeRequest& request, Json& resu
 [[nodiscard]] std::uint64_t stops_of(const std::map<std::string, std::uint64_t>& stops,
                                      const Change& change);
 
+/// [control] Refused while a stop of one of these is under way.
+[[nodiscard]] Status check_being_stopped(const Running& running,
+                                         const std::vector<std::string>& starts);
+
 /// [control] The reasons to refuse a change that need no preparation. They are asked before
 /// anything is made, and again when the change is prepared.
 [[nodiscard]] Status may_begin(const Running& running, const Change& change);

@@ -2,6 +2,7 @@
 /// component.start: the fsm at its initial state, on the next instant of the grid.
 #include "commands/answer.h"
 #include "commands/change/change.h"
+#include "commands/change/change_request.h"
 #include "commands/look/named.h"
 #include "commands/recovery/quarantine.h"
 #include "commands/say.h"
@@ -57,6 +58,9 @@ void start(Running& running, const CallPtr& call, Ticket ticket) {
   const auto names = components_meant(running, *call, "start");
   if (!names) {
     return answer(running, *call, names.error());
+  }
+  if (auto allowed = check_being_stopped(running, *names); !allowed) {
+    return answer(running, *call, allowed.error());
   }
   const bool reset = flag(call->params, "reset");
   const auto started = ending_stop_of_all(running, *call);

@@ -45,7 +45,8 @@ Json directly(Json receipt, const std::vector<std::string>& ran) {
 }
 
 /// [stop] The books follow when [control] goes on.
-server::Outcome outcome_of(const Running& running, const DirectStop& done) {
+server::Outcome outcome_of(const Running& running, const DirectStop& done,
+                           const std::vector<std::string>& ran) {
   const auto generation = running.generation.load();
   if (!done.run_still().empty()) {
     std::string names;
@@ -65,21 +66,21 @@ server::Outcome outcome_of(const Running& running, const DirectStop& done) {
        "or "
        "code of a plugin that does not return), so the stop was carried out without it; other "
        "commands wait until that thread goes on; SIGTERM ends mauved safely all the same"});
-  return directly(std::move(receipt), done.ran());
+  return directly(std::move(receipt), ran);
 }
 
 /// [stop] Called until it returns true: the answer waits for the disk.
-std::function<bool(const DirectStop&)> answering_directly(const Running& running,
-                                                          std::shared_ptr<const Call> call) {
-  return [&running, call = std::move(call), begun = false,
-          saved = std::shared_ptr<SavedStop>()](const DirectStop& done) mutable {
+std::function<bool(const DirectStop&, const std::vector<std::string>&)> answering_directly(
+    const Running& running, std::shared_ptr<const Call> call) {
+  return [&running, call = std::move(call), begun = false, saved = std::shared_ptr<SavedStop>()](
+             const DirectStop& done, const std::vector<std::string>& ran) mutable {
     if (!std::exchange(begun, true)) {
       saved = save_stop_directly(running, *call, names_in(call->params, "components"));
     }
     if (saved != nullptr && !saved->over()) {
       return false;
     }
-    auto outcome = outcome_of(running, done);
+    auto outcome = outcome_of(running, done, ran);
     if (saved != nullptr) {
       saved->say(outcome);
     }
@@ -122,6 +123,14 @@ Meant sort(const Running& running, const std::vector<std::string>& names) {
     }
   }
   return meant;
+}
+
+std::vector<std::string> running_of(const Meant& meant) {
+  std::vector<std::string> names;
+  for (const auto& line : meant.lines) {
+    names.push_back(line.address.substr(0, line.address.find('.')));
+  }
+  return names;
 }
 
 /// The answer to a dry run of a stop.
@@ -184,6 +193,9 @@ void stop(Running& running, const CallPtr& call, Ticket /*none: it waits for no 
     return answer(running, *call, planned(running, meant));
   }
   note_place_failures(running);
+  if (call->order != nullptr) {
+    call->order->found(running_of(meant));
+  }
   for (const auto& name : *names) {
     ++running.stops[name];
     auto& came = running.stops_came[name];

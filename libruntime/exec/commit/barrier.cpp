@@ -8,6 +8,7 @@
 
 #include "base/fail_point.h"
 #include "exec/commit/commit.h"
+#include "exec/commit/late_jobs.h"
 #include "exec/swap/bystanders.h"
 #include "exec/system/books.h"
 #include "rt/thread/deadline.h"
@@ -102,7 +103,7 @@ bool Barrier::advance() {
       call_off(refuse({Errc::timed_out, "barrier_not_reached"}, absent(),
                       "did not come to the barrier within " + std::to_string(kLongestWait / 1ms) +
                           " ms, so the change was revoked and all go on as before",
-                      "look at `status`: a core that never returns holds its component"));
+                      kHoldsUp));
     }
   }
   if (phase_ == Phase::parting && parting_->advance()) phase_ = Phase::over;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/commit/commit.h"
+#include "exec/commit/late_jobs.h"
 
 #include "base/thread_role.h"
 
@@ -27,7 +28,7 @@ Status check_member(const PreparedMember& member, const Deployed& deployed) {
   if (deployed.changing) {
     return refuse({Errc::conflict, "job_not_ended"}, member.component->name(),
                   "has not ended the job it is in, and a change waits for that",
-                  "try again; look at `status`: a core that never returns holds its component");
+                  "try again; " + std::string(kHoldsUp));
   }
   if (member.component->bundle() != member.base) {
     return refuse({Errc::conflict, "changed_meanwhile"}, member.component->name(),

@@ -7,6 +7,7 @@
 #include "exec/admission/membership.h"
 #include "exec/admission/timing_model.h"
 #include "exec/commit/commit.h"
+#include "exec/commit/late_jobs.h"
 #include "exec/commit/under_way.h"
 #include "exec/recovery/probations.h"
 #include "exec/system/books.h"
@@ -27,13 +28,16 @@ std::uint64_t make_generation(System& system, bool by_stop) {
 }
 
 /// A user started these components: older stops of theirs are over.
-void end_stops(System& system, const PreparedChange::Content& content,
+void end_stops(System& system, PreparedChange::Content& content,
                const std::vector<Member>& swapped) {
   if (!content.ends_stops) return;
   for (std::size_t i = 0; i < swapped.size(); ++i) {
     const PreparedMember& member = content.members[i];
     if (member.mode != Mode::run || !swapped[i].in_force) continue;
-    system.stops.start(member.component->name(), member.ends_stop);
+    const std::string& name = member.component->name();
+    const UserStop* const stop = system.stops.of(name);
+    if (stop != nullptr && stop->number <= member.ends_stop) content.ended_stops[name] = *stop;
+    system.stops.start(name, member.ends_stop);
   }
   system.obey_stops();
 }
@@ -223,10 +227,9 @@ bool Commit::all_went_back() {
                      "could not convert the state of the core before, so the change was revoked",
                      "correct its converter: the log says how it failed");
   } else if (!under_way) {
-    result_ =
-        refuse({Errc::timed_out, "component_hangs"}, result_->error().at,
-               "did not end its job within 2 s, so the change was revoked on all others" + late,
-               "look at `status`: a core that never returns holds its component");
+    result_ = refuse(
+        {Errc::timed_out, "component_hangs"}, result_->error().at,
+        "did not end its job within 2 s, so the change was revoked on all others" + late, kHoldsUp);
   }
   return true;
 }
@@ -333,10 +336,9 @@ Error Commit::not_applied(const std::string& late) const {
   }
   if (swap_->members().empty() && swap_->result().state != SwapResult::State::overtaken) {
     return refuse({Errc::timed_out, "resource_held"}, names,
-                  "is held by a caller that does not leave it, so it was not changed",
-                  "look at `status`: a core that never returns holds its component");
+                  "is held by a caller that does not leave it, so it was not changed", kHoldsUp);
   }
-  const std::string look = "look at `status`: a core that never returns holds its component";
+  const std::string look = kHoldsUp;
   switch (swap_->result().state) {
     case SwapResult::State::overtaken:
       return being_rolled_back(system_.generation);

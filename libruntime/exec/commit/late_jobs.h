@@ -11,6 +11,10 @@
 
 namespace mauve::exec {
 
+/// The hint of a refusal by a component that did not come in time.
+inline constexpr const char* kHoldsUp =
+    "mauvectl why NAME says whether its job does not end, or its thread gets no processor";
+
 /// A part of a refusal: how the thread of a job spent the time that a change waited for it.
 [[nodiscard]] std::string reason_of_delay(Duration ran, bool asleep, Duration waited);
 

@@ -82,7 +82,8 @@ Stages in_order_of_safe_values(System& system) {
   Stages stages(1);
   for (Deployed& deployed : system.deployed) {
     const auto found = numbers.find(&deployed);
-    const std::size_t number = found == numbers.end() ? 0 : found->second;
+    const bool waits = found != numbers.end() && !deployed.task->outputs().holds_any();
+    const std::size_t number = waits ? found->second : 0;
     if (stages.size() <= number) stages.resize(number + 1);
     stages[number].push_back(&deployed);
   }
@@ -105,7 +106,8 @@ Result<std::shared_ptr<Ongoing>> begin_stop(System& system,
   }
   for (const std::string& name : components) system.stops.stop(name, by);
   system.obey_stops();
-  return std::shared_ptr<Ongoing>(std::make_shared<Stop>(system, std::move(stages), kLongestJob));
+  return std::shared_ptr<Ongoing>(
+      std::make_shared<Stop>(system, std::move(stages), kLongestJob, components));
 }
 
 std::shared_ptr<Ongoing> begin_stop_all(System& system, Duration bound, UserStop by) {
@@ -114,8 +116,12 @@ std::shared_ptr<Ongoing> begin_stop_all(System& system, Duration bound, UserStop
   return std::make_shared<Stop>(system, in_order_of_safe_values(system), patience_within(bound));
 }
 
-Stop::Stop(System& system, Stages stages, Duration patience)
-    : system_(system), departed_(system.departed), stages_(std::move(stages)), patience_(patience) {
+Stop::Stop(System& system, Stages stages, Duration patience, std::vector<std::string> names)
+    : system_(system),
+      under_way_(system.stops.begin(std::move(names))),
+      departed_(system.departed),
+      stages_(std::move(stages)),
+      patience_(patience) {
   receipt_.generation = system.generation;
   begin_stage();
 }

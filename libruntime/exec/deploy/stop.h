@@ -22,15 +22,17 @@ using Stages = std::vector<std::vector<Deployed*>>;
     System& system, const std::vector<std::string>& components, UserStop by);
 [[nodiscard]] std::shared_ptr<Ongoing> begin_stop_all(System& system, Duration bound, UserStop by);
 
-/// Components that write safe values stop before those that read them.
+/// Components that write safe values stop before those that read them. One that holds a guarded
+/// output waits for none: its order makes the device safe.
 [[nodiscard]] Stages in_order_of_safe_values(System& system);
 
 /// Stops all stages in turn. Between two stages, components of later stages that will soon read the
 /// outputs of the stopped ones get one more job to act on them.
 class Stop final : public Ongoing {
  public:
-  /// `patience`: how long a component may take to end its job.
-  Stop(System& system, Stages stages, Duration patience);
+  /// `patience`: how long a component may take to end its job. `names`: of the components, or none
+  /// for all. Nothing starts them before this is over.
+  Stop(System& system, Stages stages, Duration patience, std::vector<std::string> names = {});
 
   bool advance() override;
   [[nodiscard]] Result<Receipt> result() const override;
@@ -50,6 +52,7 @@ class Stop final : public Ongoing {
   [[nodiscard]] bool readers_have_read() const;
 
   System& system_;
+  std::shared_ptr<const void> under_way_;
   std::shared_ptr<void> departed_;  // keeps tasks that are let go meanwhile
   Stages stages_;
   const Duration patience_;

@@ -112,6 +112,8 @@ bool ProbationPeriod::advance() {
 void ProbationPeriod::watch() {
   if (rollback_->decided()) {
     phase_ = Phase::going_back;
+    for (const auto& [name, stop] : content_->ended_stops) system_.stops.stand_again(name, stop);
+    system_.obey_stops();
     report_control(system_, TraceKind::rollback, content_->what, rollback_->decision().instant(),
                    number_);
     report_members(system_, *content_, number_);
@@ -189,6 +191,7 @@ void ProbationPeriod::end(Outcome::Kind kind, const std::string& reason) {
 void ProbationPeriod::pass_on_to(Content& heir, const std::vector<MemberRollback>& members) {
   static_cast<void>(rollback_->close());  // or a member that failed meanwhile does
   adopt(*content_, heir, members, retired_);
+  heir.ended_stops.merge(content_->ended_stops);  // a later stop of a component counts
   retire_kept(members_, *content_, heir, members, retired_);
   replaced_.forget();
   withdraw();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <mauve/host/user_stops.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace mauve {
@@ -33,6 +34,28 @@ void UserStops::start_all(std::uint64_t known) {
     started_.clear();
   }
   ++revision_;
+}
+
+void UserStops::stand_again(const std::string& component, const UserStop& stop) {
+  if (of(component) != nullptr) return;
+  named_[component] = stop;
+  ++revision_;
+}
+
+std::shared_ptr<const void> UserStops::begin(std::vector<std::string> components) {
+  auto names = std::make_shared<const std::vector<std::string>>(std::move(components));
+  std::erase_if(under_way_, [](const auto& one) { return one.expired(); });
+  under_way_.push_back(names);
+  return names;
+}
+
+bool UserStops::is_under_way(std::string_view component) const {
+  return std::any_of(under_way_.begin(), under_way_.end(), [component](const auto& one) {
+    const auto names = one.lock();
+    const bool of_all = names != nullptr && names->empty();
+    return of_all ||
+           (names != nullptr && std::find(names->begin(), names->end(), component) != names->end());
+  });
 }
 
 const UserStop* UserStops::of(std::string_view component) const {

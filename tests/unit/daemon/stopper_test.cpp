@@ -27,7 +27,8 @@ class StopperTest : public testing::Test {
   std::shared_ptr<StopOrder> order(Names components, bool applies = true) {
     return std::make_shared<StopOrder>(
         std::move(components), [applies] { return applies; },
-        [this](const DirectStop& direct) {
+        [this](const DirectStop& direct, const Names& all) {
+          ran = all;
           run_still = direct.run_still();
           ++reports;
           return true;
@@ -43,6 +44,7 @@ class StopperTest : public testing::Test {
   logging::Log log{logging::Level::debug};
   Stopper stopper{log};
   Names run_still{"no report"};
+  Names ran;
   std::atomic<int> reports{0};
 };
 
@@ -97,6 +99,19 @@ TEST_F(StopperTest, KeepsComponentsParkedUntilControlHasDoneTheBooks) {
       test::eventually([&] { return deployer.status("left").state == ComponentState::running; }));
 }
 
+TEST_F(StopperTest, NamesTheComponentsThatControlHadParkedBeforeItWasHeldUp) {
+  const auto stop = order({"left"});
+  EXPECT_FALSE(stop->begin());
+  stop->found({"left"});
+  ASSERT_TRUE(deployer.stop({"left"}));
+
+  stopper.watch(stop);  // and [control] looks no more
+
+  ASSERT_TRUE(test::eventually([&] { return reports == 1; }));
+  EXPECT_THAT(ran, ElementsAre("left"));
+  EXPECT_THAT(stop->stopped_directly(), ElementsAre("left"));
+}
+
 /// [stop] looks at all of them many times before it carries out the second one.
 TEST_F(StopperTest, ReportsEachStopOnce) {
   stopper.watch(order({"left"}));
@@ -104,7 +119,8 @@ TEST_F(StopperTest, ReportsEachStopOnce) {
 
   const auto later = std::make_shared<std::atomic<int>>(0);
   stopper.watch(std::make_shared<StopOrder>(
-      Names{"right"}, [] { return true; }, [later](const DirectStop&) { return ++*later > 0; }));
+      Names{"right"}, [] { return true; },
+      [later](const DirectStop&, const Names&) { return ++*later > 0; }));
   ASSERT_TRUE(test::eventually([&] { return *later == 1; }));
 
   EXPECT_EQ(reports, 1);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "exec/task/task.h"
+#include "exec/update/task_update.h"
 
 #include <mauve/host/component.h>
 #include <mauve/plugin.h>

@@ -58,6 +58,18 @@ struct FailingWheels : Wheels {
   }
 };
 
+/// Wheels that obey what another component writes, which has a safe value.
+struct CruiseAndWheels : Architecture {
+  SharedData<double> speed{*this, "speed"};
+  Component<ramp::Shell, ramp::Up, ramp::Fsm> cruise{*this, "cruise"};
+  Component<ramp::Shell, Wheels, ramp::Fsm> control{*this, "control"};
+
+  Status on_configure() override {
+    if (Status done = cruise.shell().out.connect(speed.write_service()); !done) return done;
+    return control.shell().speed.connect(speed.read_service());
+  }
+};
+
 struct FailingOtherWheels : OtherWheels {
   void update() override { throw std::runtime_error("no answer"); }
 };
@@ -186,6 +198,19 @@ TEST_F(SafeOrdersOfTasks, GoOutToTheDeviceThatARollbackLeaves) {
   EXPECT_EQ(state(), ComponentState::running);
   EXPECT_NE(deployer_->status("control").core, "failing");
   EXPECT_TRUE(gets(other_, 1));
+}
+
+TEST_F(SafeOrdersOfTasks, WaitForNoWriterInAStopOfAll) {
+  architecture_ = std::make_unique<CruiseAndWheels>();
+  deploy();
+  deployer_->run_for(20ms);
+
+  const auto stop = deployer_->begin_stop_all();
+  deployer_->run_for(10ms);
+  static_cast<void>(stop->advance());
+
+  EXPECT_EQ(state(), ComponentState::stopped) << "its writer may be kept from the processor";
+  EXPECT_TRUE(gets(left_, 2));
 }
 
 TEST_F(SafeOrdersOfTasks, GoOutAtAStopAlsoOfWhatStandsAlready) {

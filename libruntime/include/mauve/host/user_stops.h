@@ -5,10 +5,12 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace mauve {
 
@@ -32,6 +34,13 @@ class UserStops {
   void start(const std::string& component, std::uint64_t known);
   /// The same for all, also for those that join later.
   void start_all(std::uint64_t known);
+  /// The start that ended this stop is undone. A later stop of the component stays.
+  void stand_again(const std::string& component, const UserStop& stop);
+
+  /// A stop of these components (none: of all) is being carried out, as long as the caller holds
+  /// what it gets: nothing may start them meanwhile.
+  [[nodiscard]] std::shared_ptr<const void> begin(std::vector<std::string> components);
+  [[nodiscard]] bool is_under_way(std::string_view component) const;  ///< see begin()
 
   /// The stop that stands against this component; null: none.
   [[nodiscard]] const UserStop* of(std::string_view component) const;
@@ -54,6 +63,7 @@ class UserStops {
   std::optional<UserStop> all_;
   Names started_;
   Named named_;
+  std::vector<std::weak_ptr<const std::vector<std::string>>> under_way_;
   std::uint64_t newest_ = 0;
   std::uint64_t revision_ = 0;
 };

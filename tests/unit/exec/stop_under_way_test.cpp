@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// A stop that is not over, and one that a start had ended which is undone.
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include <mauve/host/user_stops.h>
+
+#include "support/outcomes.h"
+#include "support/ramp.h"
+
+namespace mauve {
+namespace {
+
+TEST(StopUnderWay, IsNamedUntilItIsOver) {
+  UserStops stops;
+  ramp::Two<ramp::Up> architecture;
+  DeployOptions how;
+  how.simulated = true;
+  how.stops = &stops;
+  Deployer deployer{architecture, how};
+  ASSERT_TRUE(deployer.deploy());
+  deployer.run_for(20ms);
+
+  auto one = deployer.begin_stop({"left"});
+  ASSERT_TRUE(one);
+  EXPECT_TRUE(stops.is_under_way("left"));
+  EXPECT_FALSE(stops.is_under_way("right"));
+  while (!(*one)->advance()) deployer.run_for(10ms);
+  one->reset();
+  EXPECT_FALSE(stops.is_under_way("left"));
+
+  auto all = deployer.begin_stop_all();
+  EXPECT_TRUE(stops.is_under_way("left")) << "it stands already";
+  EXPECT_TRUE(stops.is_under_way("right"));
+  while (!all->advance()) deployer.run_for(10ms);
+  all.reset();
+  EXPECT_FALSE(stops.is_under_way("right"));
+}
+
+/// The change of a user that starts what a user had stopped, and gives it another core.
+Change start_with_another_core() {
+  Edit edit = ramp::to_core<ramp::Down>("down");
+  edit.mode = Mode::run;
+  Change change{{edit}};
+  change.ends_stops = true;
+  change.probation.emplace();
+  return change;
+}
+
+class StartThatIsUndone : public testing::Test {
+ protected:
+  void SetUp() override {
+    DeployOptions how;
+    how.simulated = true;
+    how.stops = &stops_;
+    deployer_ = std::make_unique<Deployer>(architecture_, how);
+    ASSERT_TRUE(deployer_->deploy());
+    deployer_->run_for(20ms);
+    ASSERT_TRUE(deployer_->stop({"control"}));
+    ASSERT_NE(stops_.of("control"), nullptr);
+    number_ = stops_.of("control")->number;
+    ASSERT_TRUE(deployer_->apply(start_with_another_core()));
+    ASSERT_EQ(stops_.of("control"), nullptr);
+    deployer_->run_for(20ms);
+  }
+  void undo() {
+    ASSERT_TRUE(deployer_->undo("asked for"));
+    deployer_->run_for(50ms);
+    static_cast<void>(test::tend(*deployer_));
+  }
+
+  UserStops stops_;  // outlives the deployer
+  ramp::One<ramp::Up> architecture_;
+  std::unique_ptr<Deployer> deployer_;
+  std::uint64_t number_ = 0;
+};
+
+TEST_F(StartThatIsUndone, BringsTheStopOfTheUserBack) {
+  undo();
+
+  EXPECT_EQ(deployer_->status("control").state, ComponentState::stopped);
+  ASSERT_NE(stops_.of("control"), nullptr);
+  EXPECT_EQ(stops_.of("control")->number, number_);
+}
+
+TEST_F(StartThatIsUndone, LeavesALaterStop) {
+  ASSERT_TRUE(deployer_->stop({"control"}));
+  ASSERT_NE(stops_.of("control"), nullptr);
+  const auto later = stops_.of("control")->number;
+
+  undo();
+
+  ASSERT_NE(stops_.of("control"), nullptr);
+  EXPECT_EQ(stops_.of("control")->number, later);
+}
+
+TEST_F(StartThatIsUndone, BringsNoStopBackOnceItIsConfirmed) {
+  ASSERT_TRUE(deployer_->confirm());
+  deployer_->run_for(50ms);
+  static_cast<void>(test::tend(*deployer_));
+
+  EXPECT_EQ(deployer_->status("control").state, ComponentState::running);
+  EXPECT_EQ(stops_.of("control"), nullptr);
+}
+
+}  // namespace
+}  // namespace mauve
