@@ -85,6 +85,15 @@ void print(const Timing& timing) {
   }
 }
 
+void print_doubts(const plugin::Catalog& catalog) {
+  for (const auto* loaded : catalog.plugins()) {
+    for (const auto& warning : loaded->info().warnings) {
+      std::cout << "note: plugin " << loaded->info().name << ": " << logging::printable(warning)
+                << "\n";
+    }
+  }
+}
+
 }  // namespace
 
 int check_file(const Options& options) {
@@ -123,6 +132,7 @@ int check_file(const Options& options) {
   for (const auto& note : notes) {
     std::cout << "note: " << logging::printable(to_string(note)) << "\n";
   }
+  print_doubts(catalog);
   if (options.admission == Admission::strict && !timing.problems.empty()) {
     std::cerr << "not admitted: " << logging::printable(timing.problems.front()) << "\n";
     return 1;

@@ -168,10 +168,7 @@ Status Daemon::load() {
   keep_stopped();
   supervisor_.adopt(std::move(supervision));
   for (const auto* loaded : catalog_.plugins()) {
-    log_.write(Event::plugin_loaded, {{"plugin", loaded->info().name},
-                                      {"version", loaded->info().version},
-                                      {"file", loaded->info().file},
-                                      {"build_id", loaded->info().build_id}});
+    log_loaded(log_, loaded->info());
   }
   return ok();
 }

@@ -35,6 +35,16 @@ void log_start_warnings(logging::Log& log, const Deployer& deployer,
   }
 }
 
+void log_loaded(logging::Log& log, const plugin::PluginInfo& info) {
+  log.write(Event::plugin_loaded, {{"plugin", info.name},
+                                   {"version", info.version},
+                                   {"file", info.file},
+                                   {"build_id", info.build_id}});
+  for (const auto& warning : info.warnings) {
+    log.write(Event::plugin_doubtful, {{"plugin", info.name}, {"text", warning}});
+  }
+}
+
 void log_other_builds(logging::Log& log, std::uint64_t generation, const OtherBuilds& others) {
   for (const auto& one : others) {
     log.write(Event::plugin_other_build, {{"generation", static_cast<std::int64_t>(generation)},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The warnings of a start about an architecture that it puts in force nevertheless.
+/// Warnings for the log, of a start or of a plugin that is loaded, which go on nevertheless.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +18,9 @@ namespace mauve::daemon {
 void log_start_warnings(logging::Log& log, const Deployer& deployer,
                         const Architecture& architecture, const plugin::Catalog& catalog,
                         const rules::Supervision& supervision);
+
+/// [control], or [main] before that runs. Logs that a plugin is loaded, and what is doubtful of it.
+void log_loaded(logging::Log& log, const plugin::PluginInfo& info);
 
 /// [main] Logs each plugin that runs in another build than the one that this saved generation ran
 /// with.

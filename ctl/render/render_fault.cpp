@@ -54,12 +54,14 @@ std::string render_fault(std::string_view command, const Fault& fault, Look look
   const auto part = [&](const char* name, const std::string& content) {
     return content.empty() ? "" : wrapped(name + content, look.width, 11) + "\n";
   };
+  // A refusal by a hook of a plugin has no entry of its own: its kind explains it.
+  const std::string& entry = fault.id.empty() ? fault.name : fault.id;
   constexpr std::string_view kError = "error:";
   const std::string first = wrapped(std::string(kError) + " " + message, look.width, 2);
   return painted(kError, Paint::red, look.colour) + first.substr(kError.size()) + "\n" +
          part("  where  : ", is_about_the_command(fault) ? "" : harmless(fault.where)) +
          part("  state  : ", state_in_words(fault)) + part("  hint   : ", harmless(fault.hint)) +
-         part("  explain: ", fault.id.empty() ? "" : "mauvectl explain " + harmless(fault.id));
+         part("  explain: ", entry.empty() ? "" : "mauvectl explain " + harmless(entry));
 }
 
 Json fault_json(const Fault& fault) {

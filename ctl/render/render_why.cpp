@@ -139,7 +139,7 @@ std::string why_heading(const Json& why, const Json& failure) {
   if (failed && !is_late_after(why)) return line;
   if (const auto late = lateness_in_words(why, failed); !late.empty()) return line + "; " + late;
   if (!failed && !list_in(why, "implausible").empty()) {
-    return line + "; did not fail, but its core writes values that are not plausible";
+    return line + "; did not fail, but its core wrote values that are not plausible";
   }
   return failed ? line : line + "; nothing failed since mauved began, " + word(why, "since");
 }

@@ -307,6 +307,14 @@ TEST_F(GuardedBase, HasNoSecondDriverUnderAnyPath) {
 
   second = "/dev/../dev/" + base_.path().substr(std::string("/dev/").size());
   EXPECT_THAT(checked(system), HasSubstr(has_driver + " as " + base_.path()));
+
+  second = std::filesystem::relative(base_.path()).string();
+  EXPECT_THAT(checked(system), HasSubstr(has_driver + " as " + base_.path()));
+
+  system["components"]["third"] = system["components"]["second"];
+  const std::string both = checked(system);
+  EXPECT_THAT(both, HasSubstr("second.core.device: "));
+  EXPECT_THAT(both, HasSubstr("third.core.device: ")) << "each of them is named";
 }
 
 TEST_F(GuardedBase, HasNoSecondDriverByAChange) {

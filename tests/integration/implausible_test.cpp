@@ -56,7 +56,8 @@ TEST(ImplausibleValues, OffProbationAreInTheLogAtTheFirstAndTheTenthOfEachCore) 
   daemon.write_bad(10);
   ASSERT_TRUE(eventually([&] { return daemon.reported().size() == 2; }));
   EXPECT_THAT(daemon.reported(), ElementsAre(1, 10));
-  EXPECT_TRUE(daemon.says("a value that is not plausible: 10 times so far")) << daemon.errors();
+  EXPECT_TRUE(daemon.says("a value that is not plausible: so far 10 of its values"))
+      << daemon.errors();
 
   daemon.ask("core.swap",
              {{"component", "first"}, {"core", "trial/checked_again"}, {"probation", "off"}});

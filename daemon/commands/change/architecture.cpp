@@ -34,6 +34,7 @@
 #include "commands/say.h"
 #include "commands/stops.h"
 #include "mauve/host/architecture.h"
+#include "start_warnings.h"
 #include "supervision/supervisor.h"
 
 namespace mauve::daemon {
@@ -147,10 +148,7 @@ class Application final : public ChangeHooks {
       const auto& loaded = *catalog_.find(name);
       // It was checked, and no other change came in between.
       static_cast<void>(running_.catalog.commit(loaded));
-      running_.log.write(Event::plugin_loaded, {{"plugin", name},
-                                                {"version", loaded.info().version},
-                                                {"file", loaded.info().file},
-                                                {"build_id", loaded.info().build_id}});
+      log_loaded(running_.log, loaded.info());
     }
   }
   void complete(Json& result) override {

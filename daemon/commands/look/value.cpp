@@ -155,6 +155,12 @@ Value age_in_words(Duration age) {
   return format_duration(age - age % step);
 }
 
+/// A core writes a warning or a count when it changes: that it is old says nothing.
+bool is_written_at_changes(const ObservableBase& observable) {
+  return dynamic_cast<const Warning*>(&observable) != nullptr ||
+         same_type(observable.type(), data_type<std::uint64_t>());
+}
+
 bool is_too_old(std::optional<Duration> age, Duration max_age) {
   return max_age > Duration{0} && (!age || *age > max_age);
 }
@@ -169,7 +175,8 @@ Value look_at(const Running& running, const arch::Quantity& quantity, Duration m
   if (wants_age) {
     return age ? age_in_words(*age) : Value();
   }
-  return is_too_old(age, max_age) ? Value() : target.observable->value();
+  const bool old = is_too_old(age, max_age) && !is_written_at_changes(*target.observable);
+  return old ? Value() : target.observable->value();
 }
 
 /// Of a service or port that reads shared data.

@@ -102,6 +102,21 @@ Json quarantine_of(const Running& running, const Failure* failure) {
   return cores;
 }
 
+/// "mauvectl show control: its job is ended after 75ms, which `watchdog` in the file sets"
+std::string bound_in_words(const Running& running, const std::string& name) {
+  const auto* component = running.architecture.find_component(name);
+  const auto watchdog = component != nullptr ? component->bundle()->task.watchdog : Duration{0};
+  const auto bound = running.deployer.status(name).watchdog;
+  std::string reason = ", which `watchdog` in the file sets";
+  if (watchdog == Duration{0}) {
+    reason = ", which follows from its budget or period; `watchdog` in the file sets another time";
+  } else if (bound > watchdog) {
+    reason = ", since an ordinary thread has at least that time; `watchdog` in the file sets " +
+             format_duration(watchdog);
+  }
+  return "mauvectl show " + name + ": its job is ended after " + format_duration(bound) + reason;
+}
+
 /// The next steps depend on the reaction of the system to the failure.
 void add_next_steps(const Running& running, const std::string& name, const Failure& failure,
                     Json& hints) {
@@ -140,13 +155,7 @@ void add_next_steps(const Running& running, const std::string& name, const Failu
       break;
   }
   if (cause == exec::Cause::hung) {
-    const auto* component = running.architecture.find_component(name);
-    const bool set = component != nullptr && component->bundle()->task.watchdog > Duration{0};
-    hints.push_back("mauvectl show " + name + ": its job is ended after " +
-                    format_duration(running.deployer.status(name).watchdog) +
-                    (set ? ", which `watchdog` in the file sets"
-                         : ", which follows from its budget or period; `watchdog` in the file "
-                           "sets another time"));
+    hints.push_back(bound_in_words(running, name));
   }
   if (cause == exec::Cause::over_budget || cause == exec::Cause::overruns) {
     hints.push_back("mauvectl analyze: the measured and the permitted times of its jobs");

@@ -97,7 +97,7 @@ Error nothing_to_undo(const Running& running, std::uint64_t generation) {
   MAUVE_ON_THREAD(control);
   auto refused = refuse({Errc::wrong_state, "nothing_to_undo"}, {},
                         "generation " + std::to_string(generation) +
-                            " is off probation, so there is nothing to undo");
+                            " is not on probation, so there is nothing to undo");
   if (generation == 0) {
     refused.message = "no change is on probation, so there is nothing to undo";
     refused.hint = step_without_undo(running);

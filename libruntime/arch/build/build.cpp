@@ -2,6 +2,7 @@
 #include "arch/build/build.h"
 
 #include <algorithm>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -240,14 +241,20 @@ class Builder {
   }
 
   void check_writers() {
-    Status sound = Wiring(*architecture_).check();
-    Devices devices;
+    auto errors = Wiring(*architecture_).errors();
+    Devices devices;  // all of them are new
     for (const ComponentBase* component : architecture_->components()) {
       devices.put(component->name(), *component->bundle()->core, true);
     }
-    if (sound) sound = devices.check();
-    if (sound) return;
-    const std::string& at = sound.error().at;
+    std::ranges::move(devices.errors(), std::back_inserter(errors));
+    for (Error& error : errors) {
+      const Position where = place_of(error.at);
+      problems_.add(where, std::move(error));
+    }
+  }
+
+  /// Of a port or a property in the file.
+  [[nodiscard]] Position place_of(const std::string& at) const {
     Position where;
     const auto find = [&](const auto& elements) {
       for (const auto& [spec, element] : elements) {
@@ -261,7 +268,7 @@ class Builder {
     };
     find(resources_);
     find(components_);
-    problems_.add(where, std::move(sound.error()));
+    return where;
   }
 
   const Spec& spec_;

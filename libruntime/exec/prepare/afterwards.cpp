@@ -49,7 +49,8 @@ Status Afterwards::may_open(const std::string& component, const CoreBase& core) 
       devices.put(one->name(), *one->bundle()->core, false);
   }
   devices.put(component, core, true);
-  return devices.check();
+  auto errors = devices.errors();
+  return errors.empty() ? ok() : Status(std::move(errors.front()));
 }
 
 Status Afterwards::may_run_at(int priority) const {

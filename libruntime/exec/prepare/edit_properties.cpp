@@ -12,6 +12,10 @@
 namespace mauve::exec {
 namespace {
 
+std::string unit_in_words(const PropertyBase& property) {
+  return property.unit().empty() ? "has no unit" : "is in " + std::string(property.unit());
+}
+
 /// "core.gain" -> {"core", "gain"}.
 std::pair<std::string_view, std::string_view> split(std::string_view path) {
   const auto dot = path.find('.');
@@ -59,8 +63,8 @@ Status can_stay(const PropertyBase& old, const PropertyBase& same, const Edit& e
   }
   if (same.unit() != old.unit()) {
     return refuse({Errc::type_mismatch, "value_cannot_stay"}, same.address(),
-                  "is in \"" + std::string(same.unit()) + "\" in the new core and in \"" +
-                      std::string(old.unit()) + "\" in the one in force, so its value cannot stay",
+                  unit_in_words(same) + " in the new core and " + unit_in_words(old) +
+                      " in the one in force, so its value cannot stay",
                   hint);
   }
   Status fits = same.accepts(old.value());

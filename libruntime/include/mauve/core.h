@@ -29,7 +29,7 @@ class CoreBase : public Configurable {
  protected:
   [[nodiscard]] Shell& bound_shell() const { return *shell_; }  ///< of the component or resource
 
-  /// The component stops: this is its last job, and the safe values of its ports are written next.
+  /// The component stops: after its last job, and before the safe values of its ports are written.
   /// A request, a rule, a change in place, a removal and the end of mauved stop a component. A
   /// fault, too many late jobs, a core that takes over, and a stop at a barrier do not call it. The
   /// rules of a job hold: no heap, no wait, and the watchdog ends it. A failure in it is a fault of

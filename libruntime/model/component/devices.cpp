@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string_view>
 #include <system_error>
@@ -20,7 +21,7 @@ constexpr unsigned kInputDevices = 13;  ///< of joysticks
 
 /// Equal for two paths of one device; empty: any number of readers may share it.
 std::string identity_of(const std::string& path) {
-  if (!path.starts_with('/')) return path;  // the name of a simulated one
+  if (path.starts_with("pty:")) return path;  // the name of a simulated one
   struct stat file {};
   if (stat(path.c_str(), &file) == 0 && S_ISCHR(file.st_mode)) {
     const unsigned kind = major(file.st_rdev);
@@ -28,17 +29,26 @@ std::string identity_of(const std::string& path) {
     return shared ? "" : std::to_string(kind) + ":" + std::to_string(minor(file.st_rdev));
   }
   std::error_code failed;
-  const auto place = std::filesystem::weakly_canonical(path, failed);
+  const auto from = std::filesystem::absolute(path, failed);
+  const auto place = std::filesystem::weakly_canonical(from, failed);
   const std::string text = failed ? path : place.string();
   return text.starts_with("/dev/input/") ? "" : text;
 }
 
 }  // namespace
 
+const PropertyBase* device_of(const CoreBase& core) {
+  const auto& all = core.properties();
+  const auto found = std::find_if(all.begin(), all.end(), [](const PropertyBase* property) {
+    return property->within().find("/dev/") != std::string_view::npos;
+  });
+  return found == all.end() ? nullptr : *found;
+}
+
 void Devices::put(const std::string& component, const CoreBase& core, bool is_new) {
   const auto before = opened_.extract(component);
-  const PropertyBase* const device = core.find_property("device");
-  if (device == nullptr || device->within().find("/dev/") == std::string_view::npos) return;
+  const PropertyBase* const device = device_of(core);
+  if (device == nullptr) return;
   const Value value = device->value();
   const auto* const path = value.get_if<std::string>();
   if (path == nullptr || path->empty()) return;
@@ -46,22 +56,44 @@ void Devices::put(const std::string& component, const CoreBase& core, bool is_ne
   opened_[component] = {device->address(), *path, is_new && is_other};
 }
 
-Status Devices::check() const {
-  for (const auto& [component, one] : opened_) {
-    if (!one.is_new) continue;
-    const std::string identity = identity_of(one.path);
-    if (identity.empty()) continue;
-    for (const auto& [other_component, other] : opened_) {
-      const bool comes_later = other.is_new && other_component > component;  // it is the second
-      if (&other == &one || comes_later || identity_of(other.path) != identity) continue;
-      const std::string as = other.path == one.path ? "" : " as " + other.path;
-      return refuse({Errc::conflict, "device_has_driver"}, one.address,
-                    one.path + " is the device of " + other.address + as +
-                        " already: of two drivers each overrules the other, or takes its bytes",
-                    "name the device of this driver, or remove the other one in the same change");
-    }
+const Devices::Opened* Devices::other_of(const std::string& component, const Opened& one,
+                                         bool only_new) const {
+  const std::string identity = identity_of(one.path);
+  if (identity.empty()) return nullptr;
+  for (const auto& [other_component, other] : opened_) {
+    const bool comes_later = (other.is_new || !only_new) && other_component > component;
+    if (&other == &one || comes_later || identity_of(other.path) != identity) continue;
+    return &other;  // of two new ones, the one that comes later is the second
   }
-  return ok();
+  return nullptr;
+}
+
+std::vector<Error> Devices::errors() const {
+  std::vector<Error> errors;
+  for (const auto& [component, one] : opened_) {
+    const Opened* const other = one.is_new ? other_of(component, one, true) : nullptr;
+    if (other == nullptr) continue;
+    const std::string as = other->path == one.path ? "" : " as " + other->path;
+    errors.push_back(
+        refuse({Errc::conflict, "device_has_driver"}, one.address,
+               one.path + " is the device of " + other->address + as +
+                   " already: of two drivers each overrules the other, or takes its bytes",
+               "name the device of this driver, or remove the other one in the same change"));
+  }
+  return errors;
+}
+
+std::vector<std::pair<std::string, std::string>> Devices::notes() const {
+  std::vector<std::pair<std::string, std::string>> notes;
+  for (const auto& [component, one] : opened_) {
+    const Opened* const other = other_of(component, one, false);
+    if (other == nullptr) continue;
+    notes.emplace_back(one.address, "names " + one.path + ", which has become the device of " +
+                                        other->address +
+                                        " too: each of these drivers overrules the other, or takes "
+                                        "its bytes; stop one of them");
+  }
+  return notes;
 }
 
 }  // namespace mauve

@@ -4,28 +4,37 @@
 
 #include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <mauve/result.h>
 
 namespace mauve {
 
 class CoreBase;
+class PropertyBase;
+
+/// The property of the core that names its device: the first one for paths in /dev/
+/// (Limits::within). Null: none does.
+[[nodiscard]] const PropertyBase* device_of(const CoreBase& core);
 
 /// The devices of all components, as they are or as a change would leave them. A device is the text
-/// of a property `device` of a core, for paths in /dev/ (Limits::within). A resource may share the
-/// device of a component, as a brake does.
+/// of device_of() of a core. A resource may share the device of a component, as a brake does.
 class Devices {
  public:
-  /// The component has this core now. `is_new`: the core is asked for, and check() is about it if
+  /// The component has this core now. `is_new`: the core is asked for, and errors() is about it if
   /// it names another device than the core before.
   void put(const std::string& component, const CoreBase& core, bool is_new);
   void remove(const std::string& component) { opened_.erase(component); }
 
-  /// Refused with `conflict` when a device that is new is that of another component, under
+  /// A refusal with `conflict` for each device that is new and is that of another component, under
   /// whichever path: of two drivers each overrules the other, or takes its bytes. Two old ones may
-  /// have become one device since, which no change is to blame for. Looks into /dev/. [control] or
-  /// [factory]
-  [[nodiscard]] Status check() const;
+  /// have become one device since, which no change is to blame for: see notes(). Looks into /dev/.
+  /// [control] or [factory]
+  [[nodiscard]] std::vector<Error> errors() const;
+  /// The address of each device, old or new, that is that of a component before, with a sentence.
+  /// As errors().
+  [[nodiscard]] std::vector<std::pair<std::string, std::string>> notes() const;
 
  private:
   struct Opened {
@@ -33,6 +42,8 @@ class Devices {
     std::string path;
     bool is_new = false;
   };
+  [[nodiscard]] const Opened* other_of(const std::string& component, const Opened& one,
+                                       bool only_new) const;
 
   std::map<std::string, Opened> opened_;  // by component
 };

@@ -116,19 +116,27 @@ const Wiring::Port* Wiring::output_behind(const ResourceBase& resource) const {
 }
 
 Status Wiring::check() const {
+  std::vector<Error> all = errors();
+  return all.empty() ? ok() : Status(std::move(all.front()));
+}
+
+std::vector<Error> Wiring::errors() const {
+  std::vector<Error> errors;
   for (const auto& [address, one] : written()) {
     if (one.by.size() < 2) continue;
     const Port* const output = output_behind(one.service->resource());
     if (one.service->writers() != Writers::one && output == nullptr) continue;
     const std::string obeyed =
         output == nullptr ? "" : " (" + output->address + " obeys its values)";
-    return refuse({Errc::conflict, "writer_is_exclusive"}, one.by.back()->address,
-                  "would be the second writer of " + address + obeyed + ": " +
-                      one.by.front()->address + " writes into it, and only one port may",
-                  "disconnect one of the two in the same change, or let a resource choose between "
-                  "them (teleop/priority)");
+    errors.push_back(
+        refuse({Errc::conflict, "writer_is_exclusive"}, one.by.back()->address,
+               "would be the second writer of " + address + obeyed + ": " +
+                   one.by.front()->address + " writes into it, and only one port may",
+               "disconnect one of the two in the same change, or let a resource choose between "
+               "them (teleop/priority)"));
   }
-  return devices_.check();
+  std::ranges::move(devices_.errors(), std::back_inserter(errors));
+  return errors;
 }
 
 std::string Wiring::only_writer(const ServiceBase& service) const {
@@ -158,12 +166,15 @@ std::vector<Wiring::Note> Wiring::notes() const {
     notes.push_back({address, "has " + std::to_string(one.by.size()) +
                                   " writers, and the last value counts: " + names});
   }
+  for (auto& [address, text] : devices_.notes()) {
+    notes.push_back({std::move(address), std::move(text)});
+  }
   for (const auto& [name, task] : tasks_) {
     if (task.watchdog == Duration{0} || task.watchdog >= task.budget) continue;
     notes.push_back(
         {name + ".task.watchdog", "is " + format_duration(task.watchdog) +
                                       ", below the budget of " + format_duration(task.budget) +
-                                      ": it ends jobs within the budget, and holds them for hung"});
+                                      ": it ends jobs within the budget, and takes them for hung"});
   }
   return notes;
 }

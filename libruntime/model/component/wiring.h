@@ -37,9 +37,11 @@ class Wiring {
   void remove(const std::string& name);
 
   /// Refused with `conflict` when two ports write into an output of which the author declares that
-  /// one port at most may do so (Writers::one), and when Devices::check() refuses. The error names
+  /// one port at most may do so (Writers::one), and by Devices::errors(). The error names
   /// a port or a property of an element that put() brought, where it can.
   [[nodiscard]] Status check() const;
+  /// All that check() may refuse. As check().
+  [[nodiscard]] std::vector<Error> errors() const;
 
   /// The port that alone may write into this service, because the author declares so; empty: others
   /// may write too, or none does.
@@ -54,7 +56,8 @@ class Wiring {
   };
   /// The notes concern ports without a connection: those that read or have a safe value, unless
   /// they are optional, and those that are required. They also concern services for one value at a
-  /// time (not of ring buffers) into which several ports write, and a watchdog below the budget.
+  /// time (not of ring buffers) into which several ports write, a watchdog below the budget, and
+  /// two drivers of one device.
   [[nodiscard]] std::vector<Note> notes() const;
 
  private:

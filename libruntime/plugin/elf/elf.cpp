@@ -81,10 +81,13 @@ Error thread_local_variables(const ElfFile& file) {
     if (GELF_ST_TYPE(at.symbol.st_info) != STT_TLS) continue;
     names += (names.empty() ? ": " : ", ") + printable(readable_symbol(at.name));
   }
+  const bool of_test_kit = names.find("mauve::detail::") != std::string::npos;
   return refuse(
       {Errc::plugin_refused, "plugin_thread_local"}, {},
       "has thread-local variables, whose first use allocates on a real-time thread" + names,
-      "make them members of the core; a header or library that brings one cannot be used");
+      of_test_kit
+          ? "the plugin includes <mauve/test_kit.h>, which is for tests: take the include out"
+          : "make them members of the core; a header or library that brings one cannot be used");
 }
 
 Status check_segments(const ElfFile& file) {

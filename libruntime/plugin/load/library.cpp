@@ -98,6 +98,10 @@ Result<std::shared_ptr<Library>> Library::open(const PluginFile& file) {
           file.path,
           0,
           facts->warnings};
+  for (const std::string& hidden : file.hides) {
+    info.warnings.push_back(file.path + " is loaded, and not " + hidden +
+                            ": its directory is named first");
+  }
   Result<Image> image =
       Image::seal(file.bytes, info.name + "-" + info.version + "-" + facts->build_id.substr(0, 8));
   if (!image) return refused(image.error());

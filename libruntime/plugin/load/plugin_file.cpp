@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "base/address.h"
@@ -87,13 +88,18 @@ Status read_all(int file, const std::string& path, std::vector<std::byte>& bytes
   return ok();
 }
 
+std::string path_in(const std::string& directory, std::string_view name) {
+  return (directory == "/" ? "" : directory) + "/" + std::string(name) + std::string(kSuffix);
+}
+
 /// Nothing: the directory has no such file.
 std::optional<Result<PluginFile>> read_from(const std::string& directory, std::string_view name,
                                             const Trust& trust) {
   const std::string real = real_path(directory);
   if (real.empty()) return std::nullopt;
-  PluginFile plugin{std::string(name), (real == "/" ? "" : real) + "/" + std::string(name), {}};
-  plugin.path += kSuffix;
+  PluginFile plugin;
+  plugin.name = name;
+  plugin.path = path_in(real, name);
   struct stat link {};
   if (lstat(plugin.path.c_str(), &link) != 0 && errno == ENOENT) return std::nullopt;
   const Result<rt::Descriptor> folder = open_directory(real, trust);
@@ -133,8 +139,19 @@ std::vector<std::string> names_in(const std::vector<std::string>& directories) {
 }
 
 bool exists_in(const std::string& directory, std::string_view name) {
-  const std::string path = directory + "/" + std::string(name) + std::string(kSuffix);
-  return access(path.c_str(), F_OK) == 0;
+  return access(path_in(directory, name).c_str(), F_OK) == 0;
+}
+
+/// A directory that is named twice, or under two names, hides nothing.
+std::vector<std::string> hidden_by(const PluginFile& plugin,
+                                   std::span<const std::string> directories) {
+  std::vector<std::string> hidden;
+  for (const std::string& directory : directories) {
+    const std::string path = path_in(real_path(directory), plugin.name);
+    const bool new_one = path != plugin.path && std::ranges::find(hidden, path) == hidden.end();
+    if (new_one && exists_in(directory, plugin.name)) hidden.push_back(path);
+  }
+  return hidden;
 }
 
 Error not_found(const std::vector<std::string>& directories, std::string_view name) {
@@ -172,8 +189,11 @@ Result<PluginFile> read_plugin_file(const std::vector<std::string>& directories,
                   std::string(name.substr(0, kLongestAddress)), "is not the name of a plugin",
                   "the name is the file's, without directory and without .so");
   }
-  for (const std::string& directory : directories) {
-    if (auto found = read_from(directory, name, trust)) return *std::move(found);
+  for (std::size_t i = 0; i < directories.size(); ++i) {
+    auto found = read_from(directories[i], name, trust);
+    if (!found) continue;
+    if (*found) (*found)->hides = hidden_by(**found, std::span(directories).subspan(i + 1));
+    return *std::move(found);
   }
   return not_found(directories, name);
 }

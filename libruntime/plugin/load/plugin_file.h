@@ -18,6 +18,7 @@ struct PluginFile {
   std::string name;  ///< "guidance"
   std::string path;  ///< "/usr/lib/mauve/plugins/guidance.so"
   std::vector<std::byte> bytes;
+  std::vector<std::string> hides;  ///< files of this name in later directories, which nothing reads
 };
 
 inline constexpr std::size_t kLargestPlugin = std::size_t{256} << 20;
@@ -26,9 +27,10 @@ inline constexpr std::size_t kLargestPlugin = std::size_t{256} << 20;
 /// and an installed copy have the same shape; a program elsewhere uses the latter.
 std::string installed_directory();
 
-/// Reads NAME.so from the first directory that has it. Refused: a text that is not a name, a
-/// symbolic link, a special file, more than 256 MiB. Refused: a file that `trust` refuses, also for
-/// any directory above it. Waits for the disk. [any but control and rt]
+/// Reads NAME.so from the first directory that has it, and names those in the others. Refused: a
+/// text that is not a name, a symbolic link, a special file, more than 256 MiB. Refused: a file
+/// that `trust` refuses, also for any directory above it. Waits for the disk. [any but control and
+/// rt]
 Result<PluginFile> read_plugin_file(const std::vector<std::string>& directories,
                                     std::string_view name, const Trust& trust);
 

@@ -16,7 +16,9 @@ TEST(RenderFault, HasFourParts) {
             "error: swap-core arm: core 'pid' speaks ABI 2\n"
             "  where  : /usr/lib/mauve/plugins/pid.so\n"
             "  state  : unchanged (generation 41 still running)\n"
-            "  hint   : rebuild it\n");
+            "  hint   : rebuild it\n"
+            "  explain: mauvectl explain abi_mismatch\n")
+      << "without an entry of its own its kind explains it";
 }
 
 TEST(RenderFault, EndsWithTheCommandThatExplainsIt) {

@@ -187,7 +187,7 @@ TEST(Why, NamesThePortsThatDidNotLetValuesOut) {
 
   std::string text = render_why(answer, {});
   EXPECT_THAT(text, testing::StartsWith(
-                        "control: running, core g/gap; did not fail, but its core writes values "
+                        "control: running, core g/gap; did not fail, but its core wrote values "
                         "that are not plausible\n"));
   EXPECT_THAT(text, testing::HasSubstr(
                         "withheld  by grip (1 value was not plausible), speed (12 values were not "

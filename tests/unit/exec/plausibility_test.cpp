@@ -69,6 +69,27 @@ TEST(Plausibility, AnImplausibleValueIsNotLetOutAndRollsBack) {
   EXPECT_EQ(ends[0].reason, "wrote a value that is not plausible: out");
 }
 
+TEST(Plausibility, BlamesNoChangeOfAComponentWhoseCoreWroteSuchValuesBefore) {
+  GuardedArchitecture architecture;
+  Deployer deployer{architecture, {.simulated = true}};
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(deployer.apply(Change{{ramp::to_core<Wild>("wild", "pump")}}));
+  deployer.run_for(100ms);
+  ASSERT_GT(deployer.status("pump").implausible, 0U);
+  Edit edit;
+  edit.member = "pump";
+  edit.task = architecture.pump.task();
+  edit.task->budget = 3ms;
+  Change change{{edit}};
+  change.probation = Probation{};
+  ASSERT_TRUE(deployer.apply(change));
+
+  deployer.run_for(100ms);
+
+  EXPECT_TRUE(test::tend(deployer).empty()) << "it is still on probation";
+  EXPECT_EQ(architecture.pump.bundle()->task.budget, Duration{3ms});
+}
+
 struct Tame : Guarded {};
 
 TEST(Plausibility, CountsTheValuesThatItDoesNotLetOutForThePresentCore) {

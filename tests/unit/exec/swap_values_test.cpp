@@ -110,7 +110,7 @@ TEST_F(SwapOfValues, IsRefusedWhenTheUnitOrTheTypeIsAnother) {
 
   ASSERT_FALSE(unit);
   EXPECT_EQ(unit.error().message,
-            "is in \"mm\" in the new core and in \"m\" in the one in force, so its value cannot "
+            "is in mm in the new core and is in m in the one in force, so its value cannot "
             "stay");
   ASSERT_FALSE(type);
   EXPECT_EQ(type.error().message,

@@ -223,7 +223,7 @@ TEST_F(ExclusiveOutputAtRunTime, MayHaveAWatchdogBelowItsBudgetWhichIsNoted) {
   ASSERT_TRUE(done) << to_string(done.error());
   const auto note =
       "motor.task.watchdog is 1ms, below the budget of 3ms: it ends jobs within the budget, and "
-      "holds them for hung";
+      "takes them for hung";
   EXPECT_THAT(done->warnings, Contains(note));
   EXPECT_THAT(notes_of(robot), Contains(note));
 }

@@ -66,6 +66,22 @@ TEST_F(PluginFileTest, SuggestsTheNearestFile) {
   EXPECT_EQ(file.error().hint, "did you mean \"guidance\"?");
 }
 
+TEST_F(PluginFileTest, NamesTheFilesThatTheFirstDirectoryHides) {
+  const TempDir second;
+  write("good.so");
+  fs::permissions(second.write("good.so", "other"), fs::perms(0644));
+  const std::string first = folder_.path().string();
+
+  const auto both = read_plugin_file({first, second.path().string(), first + "/"}, "good", trust_);
+  const auto alone = read_plugin_file({first, first, "/nowhere"}, "good", trust_);
+
+  ASSERT_TRUE(both) << to_string(both.error());
+  EXPECT_EQ(both->path, (folder_ / "good.so").string());
+  EXPECT_THAT(both->hides, ::testing::ElementsAre((second / "good.so").string()));
+  ASSERT_TRUE(alone);
+  EXPECT_THAT(alone->hides, ::testing::IsEmpty());
+}
+
 TEST_F(PluginFileTest, SaysThatADirectoryIsNotThere) {
   const Result<PluginFile> file = read_plugin_file({"/nowhere"}, "guidance", trust_);
 
