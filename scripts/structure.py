@@ -79,7 +79,6 @@ STRAYS = {
     "ctl/top/top_rows.cpp": 4,
     "daemon/check.cpp": 1,
     "daemon/commands/change/kept.cpp": 1,
-    "daemon/commands/change/stop.cpp": 1,
     "daemon/commands/config.cpp": 1,
     "daemon/commands/look/log.cpp": 1,
     "daemon/commands/look/log_level.cpp": 1,

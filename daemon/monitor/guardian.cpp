@@ -120,6 +120,7 @@ void Guardian::stop_all() {
     for (const auto* component : running->architecture.components()) {
       const auto& name = component->name();
       ++running->stops[name];
+      running->stops_came[name] = std::chrono::steady_clock::now();
       if (running->deployer.status(name).state == ComponentState::running) {
         lines.push_back(arch::make_line("start", name + ".start", true, false));
       }

@@ -314,16 +314,21 @@ void Supervisor::carry_out(Dispatch dispatch) {
     control_.read(
         [this, dispatch, outcome, keeps_a_thread] { conclude(dispatch, outcome, keeps_a_thread); });
   };
-  const bool queued = control_.change([this, call, steps = std::move(steps)](Ticket ticket) {
+  const bool stops = std::ranges::all_of(
+      steps, [](const auto& step) { return step.action == rules::Action::stop; });
+  auto begin = [this, call, steps = std::move(steps)](Ticket ticket) {
     const FromLookToAct still(*running_);
     call->before = running_->generation;
     if (const auto met = check_conditions(*running_, *call); !met) {
       return answer(*running_, *call, met.error());
     }
-    control_.works_for(std::nullopt);
+    if (ticket != nullptr) control_.works_for(std::nullopt);
     begin_transaction(*running_, call, steps, std::move(ticket));
-  });
-  if (!queued) {
+  };
+  if (stops) {  // which waits for no other change
+    return control_.urgent([begin = std::move(begin)]() mutable { begin(nullptr); });
+  }
+  if (!control_.change(std::move(begin))) {
     answer(*running_, *call,
            refuse({Errc::conflict, "too_many_changes"}, "", "too many changes wait already"));
   }

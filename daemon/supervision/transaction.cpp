@@ -71,7 +71,8 @@ void begin_transaction(Running& running, const CallPtr& call, const rules::Steps
   if (const auto may = may_prepare_change(running, *change, std::nullopt); !may) {
     return answer(running, *call, may.error());
   }
-  if (!rolls_back_unconfirmed(running, *change, text_or(call->params, "transaction"))) {
+  if (only_stops(*change) ||
+      !rolls_back_unconfirmed(running, *change, text_or(call->params, "transaction"))) {
     return apply(running, call, std::move(ticket), *std::move(change),
                  notes.empty() ? nullptr : std::make_shared<StaysStopped>(notes));
   }

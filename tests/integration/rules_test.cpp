@@ -178,6 +178,29 @@ TEST(Rules, ThatFireWhileAChangeIsUnderWayWaitForIt) {
   EXPECT_EQ(daemon.component("first")["core"], "trial/slow");
 }
 
+TEST(Rules, ThatOnlyStopWaitForNoChangeUnderWay) {
+  RulesDaemon daemon(supervised(
+      R"({ "name": "halt", "when": "first.state == stopped", "do": [{ "stop": "second" }] })"));
+  const auto marker = daemon.place() / "begun";
+  auto client = daemon.client();
+  ASSERT_TRUE(client.send(protocol::to_line(protocol::make_request(
+                              "slow", "core.swap",
+                              {{"component", "second"},
+                               {"core", "trial/slow"},
+                               {"set", {{"configure_time", "3s"}, {"marker", marker.string()}}}})) +
+                          '\n'));
+  ASSERT_TRUE(eventually([&] { return std::filesystem::exists(marker); }));
+
+  daemon.ask("component.stop", {{"components", {"first"}}});
+
+  ASSERT_TRUE(daemon.fired("halt", 1)) << daemon.rule("halt");
+  EXPECT_THAT(daemon.answer("halt"), HasSubstr("applied, generation"));
+  const auto second = daemon.component("second");
+  EXPECT_EQ(second["state"], "stopped");
+  EXPECT_NE(second["core"], "trial/slow") << "that change is prepared still";
+  EXPECT_FALSE(second.contains("stopped_by")) << "a rule is no user";
+}
+
 TEST(Rules, ThatFireDuringAnApplyWaitForIt) {
   const auto rules = R"({ "name": "alone", "when": "second.state == stopped", "do": "deaf" })";
   RulesDaemon daemon(supervised(rules));

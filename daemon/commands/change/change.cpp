@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/change/change.h"
+#include "commands/change/stop.h"
 #include "commands/say.h"
 
 #include <algorithm>
@@ -120,9 +121,12 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
              !unasked) {
     return answer(running, *call, unasked.error());
   }
+  const bool dry_run = flag(call->params, "dry_run") || (hooks != nullptr && hooks->dry_run());
+  if (only_stops(change) && !dry_run && (hooks == nullptr || by_itself(*call))) {
+    return stop_only(running, call, std::move(ticket), change, std::move(hooks));
+  }
   auto request = std::make_shared<ChangeRequest>();
   request->change = std::move(change);
-  const bool dry_run = flag(call->params, "dry_run") || (hooks != nullptr && hooks->dry_run());
   request->hooks = std::move(hooks);
   request->stops = stops_of(call->stops ? *call->stops : running.stops, request->change);
   auto& wanted = request->change;

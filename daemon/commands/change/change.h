@@ -56,11 +56,6 @@ void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
 /// [control] A structure may be given partly: which of its fields kept their values, as `kept`.
 void say_kept(const Running& running, const Change& change, Json& result);
 
-/// [control] Whether the change starts a component for which a stop was received after this call.
-/// The stop was served first, so the change is to be refused.
-[[nodiscard]] bool overtaken_by_stop(const Running& running, const Call& call,
-                                     const Change& change);
-
 /// An edit that names this component or resource, and changes nothing yet.
 [[nodiscard]] Edit edit_of(std::string_view member);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/change/change_request.h"
+#include "commands/change/stop.h"
 #include "commands/recovery/former.h"
 #include "commands/say.h"
 

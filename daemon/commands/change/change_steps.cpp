@@ -7,6 +7,7 @@
 #include "commands/answer.h"
 #include "commands/change/change.h"
 #include "commands/change/policies.h"
+#include "commands/change/stop.h"
 #include "commands/model.h"
 #include "commands/path_rule.h"
 #include "commands/recovery/abandoned.h"
@@ -61,23 +62,6 @@ std::vector<std::string> stopped_by(const rules::Steps& steps) {
   return names;
 }
 
-/// Nothing of the steps is to be done, but those that stand are stopped by a user from now on.
-void stop_as_they_stand(Running& running, const CallPtr& call,
-                        const std::vector<std::string>& names, Ticket ticket) {
-  if (auto met = check_conditions(running, *call); !met) {
-    return answer(running, *call, met.error());
-  }
-  auto stopping = running.deployer.begin_stop(names, stop_by(*call));
-  if (!stopping) {
-    return answer(running, *call, stopping.error());
-  }
-  when_answered(
-      running, *std::move(stopping), [&running, call, ticket = std::move(ticket)](Ongoing& done) {
-        const auto receipt = done.result();
-        answer(running, *call, receipt ? Result<Json>(to_json(*receipt)) : receipt.error(), "safe");
-      });
-}
-
 }  // namespace
 
 void change_steps(Running& running, const CallPtr& call, Ticket ticket) {
@@ -98,7 +82,7 @@ void change_steps(Running& running, const CallPtr& call, Ticket ticket) {
   change->stopped_by = stop_by(*call);
   const bool dry_run = flag(call->params, "dry_run");
   if (change->edits.empty() && !change->stops.empty() && !dry_run) {
-    return stop_as_they_stand(running, call, change->stops, std::move(ticket));
+    return stop_only(running, call, std::move(ticket), *change);
   }
   if (change->edits.empty()) {
     return answer(running, *call, to_json(Receipt{running.generation, {}, {}, 0, {}}));

@@ -59,8 +59,13 @@ void start(Running& running, const CallPtr& call, Ticket ticket) {
   if (!names) {
     return answer(running, *call, names.error());
   }
-  if (auto allowed = check_being_stopped(running, *names); !allowed) {
-    return answer(running, *call, allowed.error());
+  if (!check_being_stopped(running, *names)) {  // the stop was asked for before
+    return running.control.await(
+        [&running, names] { return check_being_stopped(running, *names).has_value(); },
+        [&running, call, ticket = std::move(ticket)]() mutable {
+          const FromLookToAct still(running);
+          start(running, call, std::move(ticket));
+        });
   }
   const bool reset = flag(call->params, "reset");
   const auto started = ending_stop_of_all(running, *call);

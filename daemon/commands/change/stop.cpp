@@ -8,6 +8,7 @@
 
 #include "base/thread_role.h"
 #include "commands/change/change.h"
+#include "commands/change/stop.h"
 #include "commands/look/named.h"
 #include "commands/say.h"
 #include "commands/stops.h"
@@ -157,6 +158,45 @@ bool overtaken_by_stop(const Running& running, const Call& call, const Change& c
     return edit.mode == Mode::run && came != running.stops_came.end() &&
            came->second > call.received;
   });
+}
+
+void stop_only(Running& running, const CallPtr& call, Ticket ticket, const Change& change,
+               std::shared_ptr<ChangeHooks> hooks) {
+  MAUVE_ON_THREAD(control);
+  if (auto met = check_conditions(running, *call); !met) {
+    return answer(running, *call, met.error());
+  }
+  auto names = change.stops;
+  std::vector<arch::Line> lines;
+  for (const auto& edit : change.edits) {
+    if (std::ranges::find(names, edit.member) == names.end()) {
+      names.push_back(edit.member);
+    }
+    lines.push_back(arch::make_line("start", edit.member + ".start", true, false));
+  }
+  for (const auto& name : names) {
+    ++running.stops[name];
+  }
+  auto stopping = running.deployer.begin_stop(
+      names, change.stops.empty() ? std::nullopt : std::optional(change.stopped_by));
+  if (!stopping) {
+    return answer(running, *call, stopping.error());
+  }
+  when_answered(running, *std::move(stopping),
+                [&running, call, lines, hooks, ticket = std::move(ticket)](Ongoing& done) {
+                  const auto receipt = done.result();
+                  if (!receipt) {
+                    return answer(running, *call, receipt.error(), "safe");
+                  }
+                  auto result = to_json(*receipt);
+                  if (flag(result, "changed")) {
+                    say_lines(lines, result);
+                  }
+                  if (hooks != nullptr) {
+                    hooks->complete(result);
+                  }
+                  answer(running, *call, std::move(result));
+                });
 }
 
 void watch_over_stop(Running& running, const CallPtr& call) {

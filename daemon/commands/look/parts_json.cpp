@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
+#include <algorithm>
+#include <iterator>
+
 #include "commands/look/parts_json.h"
 
 #include "base/thread_role.h"
 
+#include "arch/build/unguarded_devices.h"
 #include "arch/parse/built_in.h"
 #include "mauve/detail/port_base.h"
 #include "mauve/host/resource.h"
@@ -67,7 +71,9 @@ Json machine_json(const FsmBase& fsm) {
 Json wiring_notes(const Running& running) {
   MAUVE_ON_THREAD(control);
   Json rows = Json::array();
-  for (const auto& note : Wiring(running.architecture).notes()) {
+  auto notes = Wiring(running.architecture).notes();
+  std::ranges::move(arch::unguarded_devices(running.architecture), std::back_inserter(notes));
+  for (const auto& note : notes) {
     rows.push_back({{"address", note.address}, {"text", note.text}});
   }
   return rows;

@@ -155,10 +155,11 @@ Value age_in_words(Duration age) {
   return format_duration(age - age % step);
 }
 
-/// A core writes a warning or a count when it changes: that it is old says nothing.
-bool is_written_at_changes(const ObservableBase& observable) {
+/// A warning is written when it changes, and a count is 0 before it is written first: that they are
+/// old says nothing.
+bool has_no_age(const ObservableBase& observable) {
   return dynamic_cast<const Warning*>(&observable) != nullptr ||
-         same_type(observable.type(), data_type<std::uint64_t>());
+         (observable.written() == 0 && same_type(observable.type(), data_type<std::uint64_t>()));
 }
 
 bool is_too_old(std::optional<Duration> age, Duration max_age) {
@@ -175,7 +176,7 @@ Value look_at(const Running& running, const arch::Quantity& quantity, Duration m
   if (wants_age) {
     return age ? age_in_words(*age) : Value();
   }
-  const bool old = is_too_old(age, max_age) && !is_written_at_changes(*target.observable);
+  const bool old = is_too_old(age, max_age) && !has_no_age(*target.observable);
   return old ? Value() : target.observable->value();
 }
 

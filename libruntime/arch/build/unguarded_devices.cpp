@@ -42,9 +42,9 @@ std::vector<Wiring::Note> unguarded_devices(const Architecture& architecture) {
     }
     notes.push_back(
         {device->address(),
-         "is commanded by what " + std::string(port->name()) +
-             " reads, and no order makes the device safe when its component stops, fails or "
-             "ends: declare a mauve::Guarded, or switch on the time-out of the device"});
+         "obeys the values of port " + std::string(port->name()) +
+             ", and nothing makes the device safe when its component stops, fails or ends: declare "
+             "a mauve::Guarded, or switch on the time-out of the device"});
   }
   return notes;
 }

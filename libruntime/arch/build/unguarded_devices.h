@@ -13,8 +13,8 @@ class Architecture;
 namespace arch {
 
 /// A sentence on each component that opens a device, reads values of others, and declares no
-/// mauve::Guarded: it hands commands on, and the device goes on with the last one. A device is a
-/// property `device` for paths in /dev/ (Limits::within). [control] or [factory]
+/// mauve::Guarded: it hands commands on, and the device goes on with the last one. A device is
+/// that of mauve::device_of(). [control] or [factory]
 [[nodiscard]] std::vector<Wiring::Note> unguarded_devices(const Architecture& architecture);
 
 }  // namespace arch

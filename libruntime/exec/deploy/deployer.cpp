@@ -265,7 +265,7 @@ Result<Receipt> Deployer::start(const std::vector<std::string>& components, bool
 }
 
 Result<std::shared_ptr<Ongoing>> Deployer::begin_stop(const std::vector<std::string>& components,
-                                                      const UserStop& by) {
+                                                      const std::optional<UserStop>& by) {
   return exec::begin_stop(*system_, components, by);
 }
 

@@ -59,7 +59,8 @@ class Halt final : public DirectStop {
   [[nodiscard]] Instant now() const { return system_.runner->now(); }
   [[nodiscard]] bool is_ordered(const Deployed& deployed) const {
     return is_one_of(names_, deployed) &&
-           (!first_only_ || deployed.task->watch().has_safe_values());
+           (!first_only_ || deployed.task->watch().has_safe_values() ||
+            deployed.task->outputs().holds_any());
   }
 
   /// Also those that are parked: a start may be under way.

@@ -92,7 +92,7 @@ Stages in_order_of_safe_values(System& system) {
 
 Result<std::shared_ptr<Ongoing>> begin_stop(System& system,
                                             const std::vector<std::string>& components,
-                                            UserStop by) {
+                                            const std::optional<UserStop>& by) {
   if (Status outside = refuse_in_job("deployer", "stop()"); !outside) return outside.error();
   Stages stages(1);
   for (const std::string& name : components) {
@@ -104,7 +104,9 @@ Result<std::shared_ptr<Ongoing>> begin_stop(System& system,
       if (meant) stages.front().push_back(&one);  // also one that a rollback brings back
     }
   }
-  for (const std::string& name : components) system.stops.stop(name, by);
+  for (const std::string& name : components) {
+    if (by) system.stops.stop(name, *by);
+  }
   system.obey_stops();
   return std::shared_ptr<Ongoing>(
       std::make_shared<Stop>(system, std::move(stages), kLongestJob, components));
@@ -146,6 +148,7 @@ void Stop::begin_stage() {
   const bool last_call = stage_ == stages_.size();
   if (stage_ > stages_.size() || (last_call && waiting_.empty())) {
     phase_ = Phase::over;
+    under_way_.reset();
     return;
   }
   phase_ = Phase::parking;

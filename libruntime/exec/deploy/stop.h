@@ -18,8 +18,9 @@ namespace mauve::exec {
 using Stages = std::vector<std::vector<Deployed*>>;
 
 /// Stops components for a user. The stop stands from this call on, also against a change under way.
+/// Without a user nothing stands against their next start.
 [[nodiscard]] Result<std::shared_ptr<Ongoing>> begin_stop(
-    System& system, const std::vector<std::string>& components, UserStop by);
+    System& system, const std::vector<std::string>& components, const std::optional<UserStop>& by);
 [[nodiscard]] std::shared_ptr<Ongoing> begin_stop_all(System& system, Duration bound, UserStop by);
 
 /// Components that write safe values stop before those that read them. One that holds a guarded

@@ -112,7 +112,12 @@ bool ProbationPeriod::advance() {
 void ProbationPeriod::watch() {
   if (rollback_->decided()) {
     phase_ = Phase::going_back;
-    for (const auto& [name, stop] : content_->ended_stops) system_.stops.stand_again(name, stop);
+    for (const MemberRollback& member : members_) {
+      const auto ended = content_->ended_stops.find(member.deployed->task->name());
+      const bool parks = member.in_force && member.origin.mode == Mode::park;
+      if (ended != content_->ended_stops.end() && parks)
+        system_.stops.stand_again(ended->first, ended->second);
+    }
     system_.obey_stops();
     report_control(system_, TraceKind::rollback, content_->what, rollback_->decision().instant(),
                    number_);

@@ -6,30 +6,27 @@
 #include <utility>
 
 #include "model/element/elements.h"
+#include "model/job/keep_for_abandoned.h"
 
 namespace mauve {
-namespace {
-
-/// Its clean-up did not end: a thread of it may still run, or not be joined, so that its destructor
-/// would end the process. It holds its plugin, which stays in memory too.
-void keep_for_ever(std::shared_ptr<Configurable> element) {
-  static_cast<void>(new std::shared_ptr<Configurable>(std::move(element)));
-}
-
-}  // namespace
 
 Status Retired::release() {
   Status first = ok();
   while (!elements_.empty()) {
     Status done = elements_.back()->cleanup();
     if (elements_.back()->mauve_is_unclean()) {
-      keep_for_ever(std::move(elements_.back()));
-      elements_.pop_back();
       if (first && !done) first = std::move(done);
-      continue;
+      break;
     }
     const std::string address = elements_.back()->address();
     static_cast<void>(drop_elements(address, [this] { elements_.pop_back(); }));
+  }
+  // A thread of an element that is not cleaned up may use those that it refers to.
+  for (auto& element : elements_) keep_for_abandoned(std::move(element));
+  const bool unclean = !elements_.empty();
+  elements_.clear();
+  for (auto& owner : owners_) {
+    if (unclean) keep_for_abandoned(owner);
   }
   while (!owners_.empty()) owners_.pop_back();
   return first;

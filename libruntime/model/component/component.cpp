@@ -34,7 +34,17 @@ ComponentBase::ComponentBase(std::string name, ComponentType type, CoreType core
   bundle_ = std::move(bundle);
 }
 
-ComponentBase::~ComponentBase() { static_cast<void>(cleanup()); }
+// A thread of an element that is not cleaned up may use all three.
+ComponentBase::~ComponentBase() {
+  static_cast<void>(cleanup());
+  const auto unclean = [](const auto& element) {
+    return element != nullptr && element->mauve_is_unclean();
+  };
+  if (bundle_ != nullptr &&
+      (unclean(bundle_->shell) || unclean(bundle_->core) || unclean(bundle_->fsm))) {
+    keep_for_abandoned(bundle_);
+  }
+}
 
 TaskAttributes& ComponentBase::task() {
   // Before deployment no other thread sees the bundle.

@@ -56,27 +56,21 @@ void Devices::put(const std::string& component, const CoreBase& core, bool is_ne
   opened_[component] = {device->address(), *path, is_new && is_other};
 }
 
-const Devices::Opened* Devices::other_of(const std::string& component, const Opened& one,
-                                         bool only_new) const {
-  const std::string identity = identity_of(one.path);
-  if (identity.empty()) return nullptr;
-  for (const auto& [other_component, other] : opened_) {
-    const bool comes_later = (other.is_new || !only_new) && other_component > component;
-    if (&other == &one || comes_later || identity_of(other.path) != identity) continue;
-    return &other;  // of two new ones, the one that comes later is the second
-  }
-  return nullptr;
-}
-
 std::vector<Error> Devices::errors() const {
   std::vector<Error> errors;
   for (const auto& [component, one] : opened_) {
-    const Opened* const other = one.is_new ? other_of(component, one, true) : nullptr;
-    if (other == nullptr) continue;
-    const std::string as = other->path == one.path ? "" : " as " + other->path;
+    if (!one.is_new) continue;
+    const std::string identity = identity_of(one.path);
+    if (identity.empty()) continue;
+    const auto other = std::ranges::find_if(opened_, [&](const auto& entry) {
+      const bool comes_later = entry.second.is_new && entry.first >= component;  // the second one
+      return &entry.second != &one && !comes_later && identity_of(entry.second.path) == identity;
+    });
+    if (other == opened_.end()) continue;
+    const std::string as = other->second.path == one.path ? "" : " as " + other->second.path;
     errors.push_back(
         refuse({Errc::conflict, "device_has_driver"}, one.address,
-               one.path + " is the device of " + other->address + as +
+               one.path + " is the device of " + other->second.address + as +
                    " already: of two drivers each overrules the other, or takes its bytes",
                "name the device of this driver, or remove the other one in the same change"));
   }
@@ -85,11 +79,13 @@ std::vector<Error> Devices::errors() const {
 
 std::vector<std::pair<std::string, std::string>> Devices::notes() const {
   std::vector<std::pair<std::string, std::string>> notes;
+  std::map<std::string, const Opened*> first;  // by identity
   for (const auto& [component, one] : opened_) {
-    const Opened* const other = other_of(component, one, false);
-    if (other == nullptr) continue;
+    const std::string identity = identity_of(one.path);
+    const auto [other, alone] = first.emplace(identity, &one);
+    if (alone || identity.empty()) continue;
     notes.emplace_back(one.address, "names " + one.path + ", which has become the device of " +
-                                        other->address +
+                                        other->second->address +
                                         " too: each of these drivers overrules the other, or takes "
                                         "its bytes; stop one of them");
   }

@@ -42,8 +42,6 @@ class Devices {
     std::string path;
     bool is_new = false;
   };
-  [[nodiscard]] const Opened* other_of(const std::string& component, const Opened& one,
-                                       bool only_new) const;
 
   std::map<std::string, Opened> opened_;  // by component
 };

@@ -3,9 +3,11 @@
 #include <mauve/service.h>
 #include <mauve/trace.h>
 
+#include <algorithm>
 #include <array>
 
 #include "model/element/elements.h"
+#include "model/job/keep_for_abandoned.h"
 #include "model/port/connection.h"
 
 namespace mauve {
@@ -29,7 +31,17 @@ ResourceBase::ResourceBase(std::string name, ResourceType type)
   bindings_ = std::move(table);
 }
 
-ResourceBase::~ResourceBase() { static_cast<void>(cleanup()); }
+// A thread of an element that is not cleaned up may use all three.
+ResourceBase::~ResourceBase() {
+  static_cast<void>(cleanup());
+  const std::array<std::shared_ptr<Configurable>, 3> parts{shell_, core_, interface_};
+  const bool unclean = std::any_of(parts.begin(), parts.end(), [](const auto& part) {
+    return part != nullptr && part->mauve_is_unclean();
+  });
+  for (const auto& part : parts) {
+    if (unclean) keep_for_abandoned(part);
+  }
+}
 
 Status ResourceBase::configure() {
   if (configured_) return ok();

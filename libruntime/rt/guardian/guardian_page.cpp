@@ -66,10 +66,15 @@ void say_starved(Duration time, std::string_view component) {
 }
 
 std::string starved_component() {
-  const PiMutexLock lock(starved.mutex);
-  const bool lately =
-      starved.said != 0 && MonotonicClock().now() - starved.said < Duration{1s}.count();
-  return lately ? std::string(starved.name.data(), starved.size) : std::string();
+  std::array<char, sizeof starved.name> name{};
+  std::size_t size = 0;
+  {
+    const PiMutexLock lock(starved.mutex);
+    const bool lately = MonotonicClock().now() - starved.said < Duration{1s}.count();
+    if (starved.said != 0 && lately) size = starved.size;
+    name = starved.name;
+  }
+  return {name.data(), size};
 }
 
 namespace guardian {

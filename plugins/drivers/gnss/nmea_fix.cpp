@@ -112,7 +112,8 @@ bool Talkers::begins(const Talker& talker, double time) const {
 }
 
 bool Talkers::comes_late(const Talker& talker, double time) const {
-  if (time < 0.0 || time_ < 0.0 || talker == first_) return false;
+  const bool placed = best_rank_ > 0.0;  // else the late one may be the only one with a fix
+  if (!placed || time < 0.0 || time_ < 0.0 || talker == first_) return false;
   const double behind = std::remainder(time_ - time, kSecondsOfADay);
   return behind > 0.0 && behind <= kLate;
 }
@@ -149,8 +150,16 @@ FixReader::Event FixReader::read(std::string_view frame) {
   if (sentence == "GLL") {
     return hear(read_witness(fields, 5, 1, status_of(fields[6], fields[7])), gll_);
   }
-  if (sentence == "GNS") return hear(read_witness(fields, 1, 2, status_of_modes(fields[6])), gns_);
+  if (sentence == "GNS" && counts_gns(address, fields[6]))
+    return hear(read_witness(fields, 1, 2, status_of_modes(fields[6])), gns_);
   return Event::ignored;
+}
+
+/// One of a single system says nothing of a fix by several.
+bool FixReader::counts_gns(std::string_view address, std::string_view modes) const {
+  const Talkers::Talker talker{address[0], address[1]};
+  const bool ours = talker == talkers_.last() || talkers_.last() == Talkers::Talker{};
+  return !modes.empty() && (address.starts_with("GN") || ours);
 }
 
 FixReader::Event FixReader::read_gsa(const Fields& fields) {

@@ -55,6 +55,8 @@ class Talkers {
   Use take(const Talker& talker, double time, double rank);
   /// The epoch is used without the awaited talker.
   void settle() { used_ = true; }
+  /// Of the last GGA; zeros: there was none.
+  [[nodiscard]] const Talker& last() const { return last_; }
 
  private:
   double time_ = -1.0;
@@ -91,6 +93,7 @@ class FixReader {
  private:
   using Status = Witness::Status;
 
+  [[nodiscard]] bool counts_gns(std::string_view address, std::string_view modes) const;
   Event read_gga(const Fields& fields);
   Event begin(const Gga& gga);
   Event read_gsa(const Fields& fields);

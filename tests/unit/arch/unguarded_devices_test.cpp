@@ -44,7 +44,7 @@ TEST(UnguardedDevices, AreNotedOnceTheyAreCommanded) {
 
   ASSERT_EQ(notes.size(), 1U);
   EXPECT_EQ(notes[0].address, "wheel.core.device");
-  EXPECT_THAT(notes[0].text, testing::HasSubstr("what command reads"));
+  EXPECT_THAT(notes[0].text, testing::HasSubstr("obeys the values of port command"));
 }
 
 TEST(UnguardedDevices, AreNoneWithAnOrder) {

@@ -95,6 +95,35 @@ TEST_F(StartThatIsUndone, LeavesALaterStop) {
   EXPECT_EQ(stops_.of("control")->number, later);
 }
 
+/// Its change starts what a change before it had stopped, which both undo.
+TEST(StartThatJoins, BringsNoStopBackAgainstWhatRunsOn) {
+  UserStops stops;
+  ramp::One<ramp::Up> architecture;
+  DeployOptions how;
+  how.simulated = true;
+  how.stops = &stops;
+  Deployer deployer{architecture, how};
+  ASSERT_TRUE(deployer.deploy());
+  deployer.run_for(20ms);
+  Edit stop = ramp::to_core<ramp::Down>("down");
+  stop.mode = Mode::park;
+  Change first{{stop}};
+  first.stops = {"control"};
+  first.probation.emplace();
+  ASSERT_TRUE(deployer.apply(first));
+  deployer.run_for(20ms);
+  ASSERT_NE(stops.of("control"), nullptr);
+  ASSERT_TRUE(deployer.apply(start_with_another_core()));
+  deployer.run_for(20ms);
+
+  ASSERT_TRUE(deployer.undo("asked for"));
+  deployer.run_for(50ms);
+  static_cast<void>(test::tend(deployer));
+
+  const bool runs = deployer.status("control").state == ComponentState::running;
+  EXPECT_NE(runs, stops.of("control") != nullptr) << "a stop stands, or it runs";
+}
+
 TEST_F(StartThatIsUndone, BringsNoStopBackOnceItIsConfirmed) {
   ASSERT_TRUE(deployer_->confirm());
   deployer_->run_for(50ms);

@@ -2,6 +2,7 @@
 /// The fields beside a position decide whether it is a fix, and each epoch is used once.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -165,6 +166,20 @@ TEST(NmeaTalkers, OneThatIsAnEpochBehindIsNotUsed) {
 
   ASSERT_EQ(epochs.size(), 10U);
   for (std::size_t i = 1; i < epochs.size(); ++i) EXPECT_GT(epochs[i].time, epochs[i - 1].time);
+}
+
+TEST(NmeaTalkers, OneWithoutAFixSilencesNoOther) {
+  std::vector<std::string> frames;
+  for (int second = 0; second < 10; ++second) {
+    frames.push_back(gga_at(second + 1, "0", "00", "GA"));
+    frames.push_back(gga_at(second, "1", "09"));
+  }
+
+  const auto epochs = epochs_of(frames);
+
+  const auto fixes =
+      std::count_if(epochs.begin(), epochs.end(), [](const auto& fix) { return fix.mode == 3; });
+  EXPECT_GE(fixes, 9);
 }
 
 TEST(NmeaTalkers, ASentenceThatComesTwiceIsOneEpoch) {

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <typeinfo>
@@ -138,9 +139,9 @@ class Deployer {
   /// starts them but start(), or a change that ends stops: see UserStops.
   Result<Receipt> stop(const std::vector<std::string>& components);
   /// As stop(), in steps: see Ongoing. Also of a component that a rollback may bring back, see
-  /// OpenProbation::removed.
+  /// OpenProbation::removed. `by`: none: a rule stops them, and anybody may start them again.
   Result<std::shared_ptr<Ongoing>> begin_stop(const std::vector<std::string>& components,
-                                              const UserStop& by = {});
+                                              const std::optional<UserStop>& by = UserStop());
   /// Stops all components, writers of safe values before their readers, so that a driver still acts
   /// on them. A component that hangs does not hold up the rest.
   Result<Receipt> stop_all(Duration bound = 2s);

@@ -26,7 +26,7 @@ class Retired {
   ~Retired() { static_cast<void>(release()); }
 
   /// Cleans up in the reverse order of dependency; the first error of a hook is returned. An
-  /// element whose clean-up failed stays in memory.
+  /// element whose clean-up failed stays in memory, with all that come after it.
   Status release();
   /// Runtime only: the added elements are in force now.
   void forget() {
