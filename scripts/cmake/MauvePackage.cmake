@@ -28,11 +28,6 @@ set(CPACK_DEBIAN_PACKAGE_RELEASE "${MAUVE_DEBIAN_REVISION}")
 set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(MAUVE_LIBRARIES "" CACHE STRING "Packages of the libraries, where dpkg-shlibdeps cannot find them: a cross build")
-if(CMAKE_CROSSCOMPILING)
-  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS OFF)
-  string(REPLACE aarch64 arm64 CPACK_DEBIAN_PACKAGE_ARCHITECTURE "${CMAKE_SYSTEM_PROCESSOR}")
-endif()
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${CMAKE_LIBRARY_OUTPUT_DIRECTORY}")  # libmauve of this build
 # A plugin works with the libmauve that it was built with, so packages of two versions never mix.
@@ -47,11 +42,7 @@ function(mauve_package component section depends summary description)
 endfunction()
 set(what "mauve loads components as plugins, runs each on a real-time thread, and changes
 the running system: algorithms, parameters, wiring and code.")
-set(runtime_depends "systemd | systemd-standalone-sysusers | systemd-sysusers")
-if(MAUVE_LIBRARIES)
-  string(APPEND runtime_depends ", ${MAUVE_LIBRARIES}")
-endif()
-mauve_package(runtime misc "${runtime_depends}"
+mauve_package(runtime misc "systemd | systemd-standalone-sysusers | systemd-sysusers"
   "real-time components that are changed while they run"
   "${what}\n.\nThis package has the daemon mauved, its guardian, the client mauvectl,\nand the service.")
 mauve_package(dev libdevel "${same_version}, python3"
