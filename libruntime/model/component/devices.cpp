@@ -58,13 +58,14 @@ void Devices::put(const std::string& component, const CoreBase& core, bool is_ne
 
 std::vector<Error> Devices::errors() const {
   std::vector<Error> errors;
-  for (const auto& [component, one] : opened_) {
+  for (const auto& entry : opened_) {
+    const Opened& one = entry.second;
     if (!one.is_new) continue;
     const std::string identity = identity_of(one.path);
     if (identity.empty()) continue;
-    const auto other = std::ranges::find_if(opened_, [&](const auto& entry) {
-      const bool comes_later = entry.second.is_new && entry.first >= component;  // the second one
-      return &entry.second != &one && !comes_later && identity_of(entry.second.path) == identity;
+    const auto other = std::ranges::find_if(opened_, [&](const auto& its) {
+      const bool comes_later = its.second.is_new && its.first >= entry.first;  // the second one
+      return &its != &entry && !comes_later && identity_of(its.second.path) == identity;
     });
     if (other == opened_.end()) continue;
     const std::string as = other->second.path == one.path ? "" : " as " + other->second.path;
