@@ -19,7 +19,7 @@ void log_start_warnings(logging::Log& log, const Deployer& deployer,
                         const Architecture& architecture, const plugin::Catalog& catalog,
                         const rules::Supervision& supervision);
 
-/// [control], or [main] before that runs. Logs that a plugin is loaded, and what is doubtful of it.
+/// [control], or [main] before that runs. Logs that a plugin is loaded, and each warning about it.
 void log_loaded(logging::Log& log, const plugin::PluginInfo& info);
 
 /// [main] Logs each plugin that runs in another build than the one that this saved generation ran

@@ -12,13 +12,17 @@
 namespace mauve {
 namespace {
 
-TEST(StopUnderWay, IsNamedUntilItIsOver) {
-  UserStops stops;
-  ramp::Two<ramp::Up> architecture;
+DeployOptions simulated_with(UserStops& stops) {
   DeployOptions how;
   how.simulated = true;
   how.stops = &stops;
-  Deployer deployer{architecture, how};
+  return how;
+}
+
+TEST(StopUnderWay, IsNamedUntilItIsOver) {
+  UserStops stops;
+  ramp::Two<ramp::Up> architecture;
+  Deployer deployer{architecture, simulated_with(stops)};
   ASSERT_TRUE(deployer.deploy());
   deployer.run_for(20ms);
 
@@ -51,10 +55,7 @@ Change start_with_another_core() {
 class StartThatIsUndone : public testing::Test {
  protected:
   void SetUp() override {
-    DeployOptions how;
-    how.simulated = true;
-    how.stops = &stops_;
-    deployer_ = std::make_unique<Deployer>(architecture_, how);
+    deployer_ = std::make_unique<Deployer>(architecture_, simulated_with(stops_));
     ASSERT_TRUE(deployer_->deploy());
     deployer_->run_for(20ms);
     ASSERT_TRUE(deployer_->stop({"control"}));
@@ -99,10 +100,7 @@ TEST_F(StartThatIsUndone, LeavesALaterStop) {
 TEST(StartThatJoins, BringsNoStopBackAgainstWhatRunsOn) {
   UserStops stops;
   ramp::One<ramp::Up> architecture;
-  DeployOptions how;
-  how.simulated = true;
-  how.stops = &stops;
-  Deployer deployer{architecture, how};
+  Deployer deployer{architecture, simulated_with(stops)};
   ASSERT_TRUE(deployer.deploy());
   deployer.run_for(20ms);
   Edit stop = ramp::to_core<ramp::Down>("down");

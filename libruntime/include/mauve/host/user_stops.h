@@ -37,8 +37,8 @@ class UserStops {
   /// The start that ended this stop is undone. A later stop of the component stays.
   void stand_again(const std::string& component, const UserStop& stop);
 
-  /// A stop of these components (none: of all) is being carried out, as long as the caller holds
-  /// what it gets: nothing may start them meanwhile.
+  /// A stop of these components (none: of all) is being carried out until the caller lets the
+  /// result go. No command may start them meanwhile.
   [[nodiscard]] std::shared_ptr<const void> begin(std::vector<std::string> components);
   [[nodiscard]] bool is_under_way(std::string_view component) const;  ///< see begin()
 
