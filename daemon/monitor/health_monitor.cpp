@@ -158,9 +158,10 @@ void HealthMonitor::report_factory() {
 
 void HealthMonitor::report(const Outcome& outcome) {
   running_->counts.note(outcome);
+  // Before the generation is saved: the outcome of a start says whether the stop that it ended
+  // stands again.
+  static_cast<void>(save_stops(*running_));
   if (outcome.kind == Outcome::Kind::rolled_back) {
-    // Before the generation is saved.
-    static_cast<void>(save_stops(*running_));  // the rollback of a start brings its stop back
     running_->supervisor.roll_back(outcome.generations, !outcome.component.empty());
     running_->rollback = outcome.generation;
   }

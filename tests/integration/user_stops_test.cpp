@@ -246,6 +246,39 @@ TEST_F(UserStop, StandsAgainWhenTheStartThatEndedItIsUndone) {
   EXPECT_TRUE(stands()) << "no file starts it";
 }
 
+TEST_F(UserStop, StandsAgainWhenMauvedIsKilledBeforeTheStartThatEndedItIsConfirmed) {
+  begin();
+  ASSERT_EQ(daemon->ask("component.stop", kSecondOnly)["saved"], true);
+  const auto started = daemon->ask(
+      "change.apply",
+      steps({{{"start", "second"}}, {{"set", "first.core.gain"}, {"value", 3.0}}}, "1h"));
+  ASSERT_EQ(started["state"], "applied") << started;
+  EXPECT_EQ(state_of("second"), "running");
+
+  crash(*daemon);
+  daemon->start();
+
+  EXPECT_TRUE(stands());
+  EXPECT_THAT(notes_in(apply_file(kTrial)), HasSubstr("second stays stopped"));
+  EXPECT_TRUE(stands()) << "no file starts it";
+}
+
+TEST_F(UserStop, IsOverWhenTheStartThatEndedItIsConfirmed) {
+  begin();
+  ASSERT_EQ(daemon->ask("component.stop", kSecondOnly)["saved"], true);
+  const auto started = daemon->ask(
+      "change.apply",
+      steps({{{"start", "second"}}, {{"set", "first.core.gain"}, {"value", 3.0}}}, "1h"));
+  ASSERT_EQ(started["state"], "applied") << started;
+  ASSERT_EQ(daemon->ask("change.confirm")["saved"], true);
+
+  crash(*daemon);
+  daemon->start();
+
+  EXPECT_EQ(state_of("second"), "running");
+  EXPECT_FALSE(daemon->component("second").contains("stopped_by"));
+}
+
 TEST_F(UserStop, StandsAgainstAReloadOfItsPlugin) {
   begin();
   ASSERT_EQ(daemon->ask("component.stop", kSecondOnly)["saved"], true);

@@ -25,8 +25,12 @@ Json json_of(const UserStop& stop) {
 
 std::string text_of(const UserStops& stops) {
   Json json = {{"components", Json::object()}};
-  for (const auto& [name, stop] : stops.named()) {
-    json["components"][name] = json_of(stop);
+  for (const auto* some : {&stops.named(), &stops.ended()}) {
+    for (const auto& [name, stop] : *some) {
+      if (some == &stops.named() || stops.of(name) == nullptr) {
+        json["components"][name] = json_of(stop);
+      }
+    }
   }
   if (stops.all()) {
     json["all"] = json_of(*stops.all());
@@ -82,7 +86,9 @@ std::optional<UserStops> stops_in(const std::string& text) {
   return stops;
 }
 
-bool is_empty(const UserStops& stops) { return stops.named().empty() && !stops.all(); }
+bool is_empty(const UserStops& stops) {
+  return stops.named().empty() && stops.ended().empty() && !stops.all();
+}
 
 }  // namespace
 

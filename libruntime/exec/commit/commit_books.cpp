@@ -35,9 +35,10 @@ void end_stops(System& system, PreparedChange::Content& content,
     const PreparedMember& member = content.members[i];
     if (member.mode != Mode::run || !swapped[i].in_force) continue;
     const std::string& name = member.component->name();
-    const UserStop* const stop = system.stops.of(name);
-    if (stop != nullptr && stop->number <= member.ends_stop) content.ended_stops[name] = *stop;
-    system.stops.start(name, member.ends_stop);
+    content.ended_stops.insert(name);
+    system.stops.start(
+        name, member.ends_stop,
+        content.probation ? UserStops::Ends::unless_undone : UserStops::Ends::for_good);
   }
   system.obey_stops();
 }

@@ -70,6 +70,8 @@ std::map<const Deployed*, std::size_t> stage_numbers(const std::list<Deployed>& 
   return stage;
 }
 
+/// A component whose thread has not taken the stop by then is made safe from outside.
+constexpr Duration kSafeBy = 50ms;
 /// A stop waits no longer than this for a slow reader's next job.
 constexpr Duration kNearRelease = 100ms;
 /// It waits no longer than this for all readers together.
@@ -152,6 +154,7 @@ void Stop::begin_stage() {
     return;
   }
   phase_ = Phase::parking;
+  safe_by_ = system_.runner->now() + kSafeBy.count();
   // A component stops to wait for the others within this time.
   patient_until_ = system_.runner->now() + (last_call ? kLongestJob : patience_).count();
   if (!last_call) {
@@ -196,6 +199,7 @@ bool Stop::parked() {
     take_answer(*commit);
     return true;
   });
+  make_safe_early();
   if (!commits_.empty()) return false;
   if (waiting_.empty()) return true;
   if (system_.runner->now() < patient_until_) return false;
@@ -216,6 +220,18 @@ void Stop::take_answer(const Commit& commit) {
   receipt_.components.insert(receipt_.components.end(), part.components.begin(),
                              part.components.end());
   for (Deployed* silent : commit.silent()) stop_waiting_for(*silent);
+}
+
+/// A job that is under way may write once more; its component then parks, and writes its safe
+/// values itself.
+void Stop::make_safe_early() {
+  if (system_.runner->now() < safe_by_) return;
+  for (const auto& commit : commits_) {
+    for (Deployed* silent : commit->silent()) {
+      if (silent->component == nullptr || !late_.insert(silent).second) continue;
+      write_safe_values_on_behalf(*silent->component->bundle());
+    }
+  }
 }
 
 void Stop::stop_waiting_for(Deployed& deployed) {

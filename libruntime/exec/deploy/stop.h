@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Stop: parks components at the end of the job they are in. It cannot be refused and does not need
-/// the component to be well. [control] writes the safe values of a late component, which parks as
-/// soon as its job ends.
+/// the component to be well. [control] writes the safe values of a component that is late, in its
+/// job or for want of a processor, and it parks as soon as its job ends.
 #pragma once
 
 #include <set>
@@ -48,6 +48,7 @@ class Stop final : public Ongoing {
   void park_free();
   [[nodiscard]] bool parked();
   void take_answer(const Commit& commit);
+  void make_safe_early();
   void stop_waiting_for(Deployed& deployed);
   void begin_reading();
   [[nodiscard]] bool readers_have_read() const;
@@ -59,12 +60,14 @@ class Stop final : public Ongoing {
   const Duration patience_;
   Phase phase_ = Phase::parking;
   std::size_t stage_ = 0;
+  Instant safe_by_ = 0;
   Instant patient_until_ = 0;
   std::vector<Deployed*> waiting_;  // for a change of theirs to be over, also from stages before
   std::vector<std::shared_ptr<Commit>> commits_;
   std::vector<std::pair<const Deployed*, std::uint64_t>> readers_;  // and their releases before
   Instant read_by_ = 0;
   Receipt receipt_;
+  std::set<const Deployed*> late_;  // their safe values are written
   std::set<const Deployed*> hung_;
   Retired nothing_;
 };

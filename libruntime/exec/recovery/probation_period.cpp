@@ -113,11 +113,11 @@ void ProbationPeriod::watch() {
   if (rollback_->decided()) {
     phase_ = Phase::going_back;
     for (const MemberRollback& member : members_) {
-      const auto ended = content_->ended_stops.find(member.deployed->task->name());
+      const std::string& name = member.deployed->task->name();
       const bool parks = member.in_force && member.origin.mode == Mode::park;
-      if (ended != content_->ended_stops.end() && parks)
-        system_.stops.stand_again(ended->first, ended->second);
+      if (parks && content_->ended_stops.contains(name)) system_.stops.stand_again(name);
     }
+    for (const std::string& name : content_->ended_stops) system_.stops.end_for_good(name);
     system_.obey_stops();
     report_control(system_, TraceKind::rollback, content_->what, rollback_->decision().instant(),
                    number_);
@@ -186,6 +186,7 @@ void ProbationPeriod::end(Outcome::Kind kind, const std::string& reason) {
     if (member.part != Part::leaves) continue;
     if (member.owner != nullptr) retired_.keep(member.owner);
   }
+  for (const std::string& name : content_->ended_stops) system_.stops.end_for_good(name);
   report(kind, reason);
   retire_kept(members_, *content_, retired_);
   retired_.merge(std::move(replaced_));
@@ -196,7 +197,7 @@ void ProbationPeriod::end(Outcome::Kind kind, const std::string& reason) {
 void ProbationPeriod::pass_on_to(Content& heir, const std::vector<MemberRollback>& members) {
   static_cast<void>(rollback_->close());  // or a member that failed meanwhile does
   adopt(*content_, heir, members, retired_);
-  heir.ended_stops.merge(content_->ended_stops);  // a later stop of a component counts
+  heir.ended_stops.merge(std::exchange(content_->ended_stops, {}));
   retire_kept(members_, *content_, heir, members, retired_);
   replaced_.forget();
   withdraw();

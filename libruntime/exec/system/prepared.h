@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -128,7 +129,7 @@ class PreparedChange::Content {
   UserStop stopped_by = {};
   std::vector<std::string> newly_stopped = {};  ///< of `stops`, against which no stop stood before
   std::uint64_t last_stop = 0;                  ///< the number of the last one of `stops`
-  std::map<std::string, UserStop> ended_stops = {};  ///< by its starts: a rollback brings them back
+  std::set<std::string> ended_stops = {};  ///< of these components: its rollback brings them back
   bool in_place = false;  ///< elements in force are cleaned up before those that come are used
   bool step = false;      ///< makes no generation: the last step of its change does, or none
   std::vector<NewFallback> fallbacks;

@@ -20,7 +20,10 @@ void UserStops::stop_all(UserStop stop) {
   ++revision_;
 }
 
-void UserStops::start(const std::string& component, std::uint64_t known) {
+void UserStops::start(const std::string& component, std::uint64_t known, Ends ends) {
+  const UserStop* const stop = of(component);
+  if (stop != nullptr && stop->number <= known && ends == Ends::unless_undone)
+    ended_[component] = *stop;
   const auto found = named_.find(component);
   if (found != named_.end() && found->second.number <= known) named_.erase(found);
   if (all_ && all_->number <= known) started_.insert(component);
@@ -36,10 +39,15 @@ void UserStops::start_all(std::uint64_t known) {
   ++revision_;
 }
 
-void UserStops::stand_again(const std::string& component, const UserStop& stop) {
-  if (of(component) != nullptr) return;
-  named_[component] = stop;
+void UserStops::stand_again(const std::string& component) {
+  auto ended = ended_.extract(component);
+  if (ended.empty()) return;
+  if (of(component) == nullptr) named_.insert(std::move(ended));
   ++revision_;
+}
+
+void UserStops::end_for_good(const std::string& component) {
+  if (ended_.erase(component) > 0) ++revision_;
 }
 
 std::shared_ptr<const void> UserStops::begin(std::vector<std::string> components) {

@@ -8,6 +8,7 @@
 
 #include "model/job/keep_for_abandoned.h"
 #include "model/job/traced.h"
+#include "rt/thread/float_environment.h"
 #include "rt/thread/pi_mutex.h"
 #include "rt/thread/preemption.h"
 
@@ -21,8 +22,9 @@ struct LockState {
   explicit LockState(ResourceLock& its_owner) : owner(its_owner) {}
   ResourceLock& owner;
   rt::PiMutex mutex;
-  Instant since = 0;   // held, by a job that nothing has interrupted so far; 0: not, or not timed
-  Instant traced = 0;  // when the trace recorded that it is held; 0: it did not
+  Instant since = 0;  // held, by a job that nothing has interrupted so far; 0: not, or not timed
+  rt::FloatEnvironment floats;  // of the holder, when it entered
+  Instant traced = 0;           // when the trace recorded that it is held; 0: it did not
   /// The thread that clears it ends the hold: the holder when it leaves, or the guard that gives it
   /// up.
   std::atomic<const Job*> holder{nullptr};
@@ -101,6 +103,7 @@ bool ResourceLock::hold(LockState& lock, Instant waited) MAUVE_NOT_ANALYSED {
   const std::size_t count = job.held_count.load(std::memory_order_relaxed);
   job.held[count].store(&lock, std::memory_order_relaxed);
   job.held_count.store(count + 1, std::memory_order_release);
+  if (!blames_caller_) lock.floats = rt::FloatEnvironment();
   if (timed_ && !rt::preempted()) lock.since = MonotonicClock().now();
   trace_hold(lock, waited);
   return true;
@@ -133,6 +136,7 @@ void ResourceLock::leave(LockState& lock) MAUVE_NOT_ANALYSED {
   Job& job = this_job();
   job.held_count.store(job.held_count.load(std::memory_order_relaxed) - 1,
                        std::memory_order_relaxed);
+  if (!blames_caller_) lock.floats.put_back();  // the caller goes on as if it had not called
   if (!lock.end_hold_of(job)) return leave_renewed(lock);
   Instant now = 0;
   if (const Instant since = std::exchange(lock.since, 0); since != 0 && !rt::preempted()) {

@@ -61,11 +61,42 @@ struct LeavesRegisters : Arithmetic {
 
 struct Machine : ramp::One<Careless> {};
 
+/// The core of a resource that leaves everything changed behind for its callers.
+struct CarelessStore : Core<EmptyShell> {
+  State<ramp::Position> state{*this};
+  void note(const double& value) {
+    state->value = value;
+    std::fesetround(FE_UPWARD);
+#if defined(__x86_64__)
+    _mm_setcsr(_mm_getcsr() | 0x8040U);
+    asm volatile("pxor %mm0, %mm0\n\tpxor %mm7, %mm7");
+#endif
+    feenableexcept(FE_DIVBYZERO | FE_INVALID);
+  }
+};
+struct StoreFace : Interface<CarelessStore> {
+  WriteService<double> write{*this, "write", &CarelessStore::note};
+};
+
+/// Calls the store, then computes.
+struct Caller : Arithmetic {
+  void update() override {
+    shell().out.write(1.0);
+    Arithmetic::update();
+  }
+};
+struct CallerAndStore : Architecture {
+  Resource<EmptyShell, CarelessStore, StoreFace> store{*this, "store"};
+  Component<ramp::Shell, Caller, ramp::Fsm> control{*this, "control"};
+  Status on_configure() override { return control.shell().out.connect(store.interface().write); }
+};
+
 class FloatEnvironment : public testing::Test {
  protected:
   ~FloatEnvironment() override { std::fesetenv(FE_DFL_ENV); }
 };
 
+template <typename Machine>
 void expect_default(const Machine& machine) {
   const auto& core = dynamic_cast<const Arithmetic&>(*machine.control.bundle()->core);
   EXPECT_EQ(core.third, 1.0 / 3.0);
@@ -95,6 +126,16 @@ TEST_F(FloatEnvironment, HasItsRegistersFreeInEachJob) {
   EXPECT_TRUE(dynamic_cast<const Arithmetic&>(*architecture.control.bundle()->core).wide);
 }
 #endif
+
+TEST_F(FloatEnvironment, OfACallerIsAsItWasAfterAServiceThatChangesIt) {
+  CallerAndStore architecture;
+  Deployer deployer{architecture, {.simulated = true}};
+  ASSERT_TRUE(deployer.deploy());
+
+  deployer.run_for(100ms);
+
+  expect_default(architecture);
+}
 
 TEST_F(FloatEnvironment, IsTheDefaultForACoreThatComesAfterOneThatChangedIt) {
   Machine architecture;

@@ -2,10 +2,13 @@
 /// A stop that is not over, and one that a start had ended which is undone.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <memory>
+#include <thread>
 
 #include <mauve/host/user_stops.h>
 
+#include "support/eventually.h"
 #include "support/outcomes.h"
 #include "support/ramp.h"
 
@@ -40,6 +43,67 @@ TEST(StopUnderWay, IsNamedUntilItIsOver) {
   while (!all->advance()) deployer.run_for(10ms);
   all.reset();
   EXPECT_FALSE(stops.is_under_way("right"));
+}
+
+/// Stays in its job while the test says so, as one does that gets no processor.
+struct Held : ramp::Up {
+  static std::atomic<bool>& hold() {
+    static std::atomic<bool> value{false};
+    return value;
+  }
+  static std::atomic<bool>& holding() {
+    static std::atomic<bool> value{false};
+    return value;
+  }
+  void update() override {
+    while (hold()) {
+      holding() = true;
+      std::this_thread::sleep_for(1ms);
+    }
+    ramp::Up::update();
+  }
+};
+
+/// Shows what it reads.
+struct Driver : ramp::Up {
+  static std::atomic<double>& seen() {
+    static std::atomic<double> value{0};
+    return value;
+  }
+  void update() override { seen() = shell().speed.read(); }
+};
+
+struct HeldAndDriver : Architecture {
+  SharedData<double> command{*this, "command"};
+  Component<ramp::Shell, Held, ramp::Fsm> held{*this, "held"};
+  Component<ramp::Shell, Driver, ramp::Fsm> driver{*this, "driver"};
+  Status on_configure() override {
+    held.task().watchdog = 1h;
+    if (Status done = held.shell().out.connect(command.write_service()); !done) return done;
+    return driver.shell().speed.connect(command.read_service());
+  }
+};
+
+TEST(StopOfALateComponent, WritesItsSafeValuesBeforeItsJobHasEnded) {
+  HeldAndDriver architecture;
+  Deployer deployer{architecture, {.realtime = Realtime::off, .admission = Admission::off}};
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(test::eventually([] { return Driver::seen() > 0; }));
+  Held::hold() = true;
+  ASSERT_TRUE(test::eventually([] { return Held::holding().load(); }));
+
+  const auto stop = deployer.begin_stop({"held"});
+
+  ASSERT_TRUE(stop);
+  bool over = false;
+  EXPECT_TRUE(test::eventually([&] {
+    over = over || (*stop)->advance();
+    return Driver::seen() == -1.0;
+  }));
+  Held::hold() = false;
+  EXPECT_TRUE(test::eventually([&] { return over || (*stop)->advance(); }));
+  EXPECT_TRUE((*stop)->result()) << "its job has ended in time";
+  EXPECT_EQ(deployer.status("held").state, ComponentState::stopped);
 }
 
 /// The change of a user that starts what a user had stopped, and gives it another core.

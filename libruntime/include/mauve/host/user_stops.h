@@ -30,12 +30,16 @@ class UserStops {
   void stop(const std::string& component, UserStop stop);
   /// Also of components that join later.
   void stop_all(UserStop stop);
+  /// Says how a start by a user ends a stop: for good, or until the change that makes it is undone.
+  enum class Ends { for_good, unless_undone };
   /// A user starts the component, and `known` was the newest stop when he did: a later one stands.
-  void start(const std::string& component, std::uint64_t known);
+  void start(const std::string& component, std::uint64_t known, Ends ends = Ends::for_good);
   /// The same for all, also for those that join later.
   void start_all(std::uint64_t known);
-  /// The start that ended this stop is undone. A later stop of the component stays.
-  void stand_again(const std::string& component, const UserStop& stop);
+  /// The start that ended a stop of the component is undone. A later stop of it stays.
+  void stand_again(const std::string& component);
+  /// The start that ended a stop of the component can be undone no more.
+  void end_for_good(const std::string& component);
 
   /// A stop of these components (none: of all) is being carried out until the caller lets the
   /// result go. No command may start them meanwhile.
@@ -51,6 +55,9 @@ class UserStops {
 
   /// The stops of single components, by name.
   using Named = std::map<std::string, UserStop, std::less<>>;
+  /// The stops that starts have ended for now: see Ends. They stand when the host ends before the
+  /// changes are kept.
+  [[nodiscard]] const Named& ended() const { return ended_; }
   /// Names of components.
   using Names = std::set<std::string, std::less<>>;
   /// Those that stand, beside all().
@@ -63,6 +70,7 @@ class UserStops {
   std::optional<UserStop> all_;
   Names started_;
   Named named_;
+  Named ended_;
   std::vector<std::weak_ptr<const std::vector<std::string>>> under_way_;
   std::uint64_t newest_ = 0;
   std::uint64_t revision_ = 0;
