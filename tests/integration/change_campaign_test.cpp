@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// A change costs no release, whatever the order of changes: MAUVE_CHANGES (150) of all kinds, 25
-/// ms apart, in an order that MAUVE_SEED decides. The trace proves it. The system can be started
-/// as it runs at any time. The requests and their outcomes stand in a file that the test names.
+/// ms apart, in an order that MAUVE_SEED decides. The trace proves it. The rules of
+/// look_oracle.h hold at any time. The requests and their outcomes stand in a file that the test
+/// names.
 #include <chrono>
 #include <cstdio>
 #include <deque>
@@ -13,9 +14,9 @@
 #include <thread>
 
 #include "changeable_systems.h"
+#include "look_oracle.h"
 #include "mtrace/file.h"
 #include "rt/thread/thread.h"
-#include "start_oracle.h"
 #include "support/foreign_realtime.h"
 #include "support/lost_releases.h"
 #include "support/number_in.h"
@@ -97,8 +98,8 @@ class ChangeLog {
 /// Sends requests without waiting for their answers, and reads these.
 class Changer {
  public:
-  Changer(TrialDaemon& daemon, ChangeLog& log)
-      : daemon_(daemon), client_(daemon.client()), log_(log) {}
+  Changer(TrialDaemon& daemon, ChangeLog& log, WaitForPerson& waiting)
+      : daemon_(daemon), client_(daemon.client()), log_(log), waiting_(waiting) {}
 
   /// False: the daemon is gone, or an answer did not come.
   [[nodiscard]] bool send(std::uint64_t number, ChangeRequest request) {
@@ -106,6 +107,7 @@ class Changer {
     if (request.install != 0) daemon_.install(request.install);
     if (request.back >= 0) request.params["generation"] = generation_behind(request.back);
     log_.sent(number, request.to_json());
+    waiting_.sent(number, request.method, request.params);
     open_.insert(number);
     const auto id = static_cast<std::int64_t>(number);
     return client_.send(
@@ -136,6 +138,7 @@ class Changer {
     const auto number = answer["id"].get<std::uint64_t>();
     open_.erase(number);
     const bool refused = answer.contains("error");
+    waiting_.answered(number, refused ? Json::object() : answer["result"]);
     log_.answered(number, refused ? answer["error"]["data"].value("name", "?")
                                   : answer["result"].value("state", "done"));
   }
@@ -148,6 +151,7 @@ class Changer {
   TrialDaemon& daemon_;
   RawClient client_;
   ChangeLog& log_;
+  WaitForPerson& waiting_;
   std::set<std::uint64_t> open_;
 };
 
@@ -279,9 +283,14 @@ class ChangeCampaign : public testing::Test {
     ASSERT_EQ(daemon.ask("trace.start", {{"seconds", kKept}})["on"], true) << daemon.errors();
     ChangeLog log(place_ / "changes");
     Witness witness(daemon, log, place_, system.excused);
-    StartOracle start(daemon);
-    change(daemon, system, log);
-    start.finish();
+    if (!system.stopped.empty()) {
+      const auto stop = daemon.ask("component.stop", {{"components", {system.stopped}}});
+      ASSERT_EQ(stop["saved"], true) << stop;
+    }
+    WaitForPerson waiting;
+    LookOracle oracle(daemon, system.stopped, &waiting);
+    change(daemon, system, log, waiting);
+    oracle.finish();
     witness.finish();
     witness.report();
     for (const auto& [outcome, count] : log.outcomes()) {
@@ -294,9 +303,10 @@ class ChangeCampaign : public testing::Test {
   }
 
  private:
-  void change(TrialDaemon& daemon, const ChangeableSystem& system, ChangeLog& log) const {
+  void change(TrialDaemon& daemon, const ChangeableSystem& system, ChangeLog& log,
+              WaitForPerson& waiting) const {
     ChangeGenerator generator(system, seed_);
-    Changer changer(daemon, log);
+    Changer changer(daemon, log, waiting);
     const auto end = steady_clock::now() + std::chrono::seconds(seconds_);
     std::uint64_t number = 0;
     while (number < changes_ && steady_clock::now() < end) {

@@ -25,6 +25,7 @@ struct ChangeableSystem {
   std::map<std::string, std::vector<std::string>> cores;     ///< by component
   std::map<std::string, std::vector<std::string>> services;  ///< by port
   std::vector<std::string> resting;    ///< components that may stand for a while
+  std::string stopped;                 ///< a component that a user stops, and no request names
   std::vector<std::string> plugins;    ///< that are reloaded
   std::map<std::string, Json> guests;  ///< components that join and leave
   std::vector<std::vector<std::pair<std::string, Json>>> faults;  ///< changes that end badly

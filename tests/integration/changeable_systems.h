@@ -10,7 +10,7 @@
 namespace mauve::test {
 
 /// Components of 2 to 10 ms on two processors, and "weak", the least urgent one of its processor,
-/// which gets the cores that throw and hang.
+/// which gets the cores that throw and hang. A user may stop "stood" for good.
 inline constexpr const char* kChanged = R"({
   "schema": "mauve/architecture/1", "name": "changed", "plugins": ["trial"],
   "resources": {
@@ -32,6 +32,9 @@ inline constexpr const char* kChanged = R"({
     "d": { "type": "trial/unit", "properties": { "fsm.period": "4ms" },
            "ports": { "input": "level.read" },
            "task": { "priority": 85, "cpus": [1], "budget": "200us" } },
+    "stood": { "type": "trial/unit", "properties": { "fsm.period": "10ms" },
+               "ports": { "input": "level.read" },
+               "task": { "priority": 50, "cpus": [0], "budget": "200us" } },
     "weak": { "type": "trial/unit", "properties": { "fsm.period": "5ms" },
               "ports": { "input": "level.read", "output": "meter.write" },
               "task": { "priority": 40, "cpus": [1], "budget": "1ms", "watchdog": "20ms" } }
@@ -75,6 +78,7 @@ inline ChangeableSystem trial_system() {
   system.values["tally.shell.size"] = {7, 9};
   system.values["meter.core.breaks_at"] = {4.0, 9.5};
   system.values["nobody.core.gain"] = {1.0};
+  system.stopped = "stood";
   system.plugins = {"trial"};
   system.builds = 3;
   system.may_be_more_urgent = true;
