@@ -112,23 +112,32 @@ void Guardian::stop_all() {
   if (cause == nullptr) {
     return;
   }
-  running->control.urgent([running, cause] {
+  const auto order = std::make_shared<StopOrder>(std::vector<std::string>(), nullptr, nullptr);
+  if (running->stopper != nullptr) {
+    running->stopper->watch(order);  // [control] may be held up
+  }
+  running->control.urgent([running, cause, order] {
+    order->begin();
     const FromLookToAct still(*running);
     note_place_failures(*running);
     const auto call = call_by_itself(*running, cause);
     std::vector<arch::Line> lines;
+    std::vector<std::string> runs;
     for (const auto* component : running->architecture.components()) {
       const auto& name = component->name();
       ++running->stops[name];
       running->stops_came[name] = std::chrono::steady_clock::now();
       if (running->deployer.status(name).state == ComponentState::running) {
         lines.push_back(arch::make_line("start", name + ".start", true, false));
+        runs.push_back(name);
       }
     }
+    order->found(std::move(runs));
     const UserStop by{0, logging::utc(std::chrono::system_clock::now()), 0, cause};
     auto stopping = running->deployer.begin_stop_all(2s, by);
     static_cast<void>(save_stops(*running));
-    when_answered(*running, std::move(stopping), [running, call, lines](Ongoing& done) {
+    when_answered(*running, std::move(stopping), [running, call, lines, order](Ongoing& done) {
+      order->end(running->deployer);
       rt::GuardedOutputs::of_process().send_again();
       const auto receipt = done.result();
       auto result = receipt ? Result<Json>(to_json(*receipt)) : receipt.error();

@@ -135,8 +135,8 @@ class GnssToUtmCore final : public mauve::Core<GnssToUtmShell> {
   void look_at_distance(double metres) {
     if (metres > kFar) {
       far.begin(
-          "the fixes are {} km from the origin: if that was found wrongly, a stop and a start of "
-          "this resource find it anew",
+          "the fixes are {} km from the origin: if that was found wrongly, declare the origin "
+          "(origin_at_first_fix, origin_latitude, origin_longitude)",
           static_cast<std::int64_t>(metres / 1000.0));
     } else {
       far.end("the fixes are near the origin again");
@@ -148,8 +148,8 @@ class GnssToUtmCore final : public mauve::Core<GnssToUtmShell> {
       return silence_.look("the fixes lie outside of UTM (80 degrees south to 84 north)");
     }
     silence_.look(
-        "the fixes are far from zone {} of the origin, which a stop and a start of this resource "
-        "find anew",
+        "the fixes are far from zone {} of the origin: if that was found wrongly, declare the "
+        "origin (origin_at_first_fix, origin_latitude, origin_longitude)",
         origin.zone);
   }
 

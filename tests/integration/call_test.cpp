@@ -30,6 +30,17 @@ TEST(CallFromTheShell, PrintsTheResult) {
   EXPECT_THAT(said.out, HasSubstr("10"));
 }
 
+TEST(CallFromTheShell, TakesNoNumberThatIsNone) {
+  TrialDaemon daemon(counting());
+  static_cast<void>(daemon.client());
+
+  const auto refused =
+      daemon.ask("service.call", {{"service", "signal.write"}, {"arguments", {"nan"}}});
+
+  EXPECT_EQ(refused["data"]["id"], "value_out_of_range") << refused;
+  EXPECT_EQ(refused["data"]["at"], "signal.write") << refused;
+}
+
 TEST(CallFromTheShell, FiresAnEvent) {
   TrialDaemon daemon(counting());
   ASSERT_TRUE(eventually([&] { return daemon.value("tally.core.count") > 20; }));

@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "kept_daemon.h"
+#include "support/guarded.h"
 
 namespace mauve::test {
 namespace {
@@ -14,13 +15,19 @@ class HeldUp : public Generations {
  protected:
   void SetUp() override {
     setenv("MAUVE_TRIAL_WAITS", gate_.c_str(), 1);
+    start(architecture(), options());
+  }
+  [[nodiscard]] Json architecture() const {
     auto architecture = Json::parse(std::string(kTrial));
     architecture["resources"]["mute"] = {{"type", "trial/mute"}};
     architecture["components"]["second"]["core"] = "trial/noting";
     architecture["components"]["second"]["properties"]["core.file"] = noted_;
-    daemon_ = std::make_unique<TrialDaemon>(architecture.dump(), options());
+    return architecture;
+  }
+  void start(const Json& architecture, const std::vector<std::string>& options) {
+    daemon_ = std::make_unique<TrialDaemon>(architecture.dump(), options);
     asking_ = std::make_unique<RawClient>(daemon_->client());
-    ASSERT_TRUE(eventually([this] { return TempDir::read(noted_) == "+"; }));
+    ASSERT_TRUE(is_noted("+")) << daemon_->errors();
   }
   void TearDown() override {
     std::filesystem::remove(gate_);
@@ -131,6 +138,29 @@ TEST_F(HeldUp, AStopThatControlWillRefuseIsNotCarriedOut) {
 
   for (auto& client : clients) EXPECT_TRUE(client.json().contains("error"));
   EXPECT_EQ(state_of("first"), "running");
+}
+
+TEST_F(HeldUp, TheStopForALostGuardianIsCarriedOut) {
+  daemon_.reset();
+  Outlet base;
+  auto guarded = architecture();
+  const Json more = guarded_architecture(base.path());
+  for (const auto& plugin : more["plugins"]) guarded["plugins"].push_back(plugin);
+  guarded["resources"].update(more["resources"]);
+  guarded["components"].update(more["components"]);
+  auto how = options();
+  how.insert(how.end(), {"--guardian", "require", "--plugin-dir", MAUVE_PLUGIN_DIR});
+  ASSERT_NO_FATAL_FAILURE(start(guarded, how));
+  const auto guardian = daemon_->ask("status.get")["guardian"];
+  ASSERT_TRUE(guardian.is_object() && guardian["process"].is_number()) << guardian;
+  ASSERT_NO_FATAL_FAILURE(hold_control());
+
+  kill(guardian["process"].get<pid_t>(), SIGKILL);
+
+  EXPECT_TRUE(is_noted("-")) << "although [control] is held up";
+  std::filesystem::remove(gate_);
+  EXPECT_TRUE(eventually([this] { return state_of("first") == "stopped"; })) << daemon_->errors();
+  EXPECT_EQ(state_of("base"), "stopped");
 }
 
 TEST_F(HeldUp, TheEndOfMauvedMakesTheOutputsSafeAtOnce) {

@@ -110,5 +110,31 @@ TEST(ImplausibleValues, FireARuleThatIsArmedAgainWithAnotherCore) {
       << daemon.rule("wild");
 }
 
+TEST(ImplausibleValues, RollAChangeInPlaceBackAsTheyDoAnyOther) {
+  CheckedDaemon daemon(checked());
+
+  const auto set = daemon.ask(
+      "param.set",
+      {{"values", {{"first.core.bad", 100000}}}, {"in_place", true}, {"probation", "500"}});
+
+  ASSERT_EQ(set["state"], "applied") << set;
+  EXPECT_TRUE(daemon.logs(1, "rolled_back", "wrote a value that is not plausible: output"))
+      << daemon.errors();
+  EXPECT_EQ(daemon.value("first.core.bad"), 0);
+  EXPECT_TRUE(daemon.ask("quarantine.list")["cores"].empty()) << "the code is the same";
+}
+
+TEST(ImplausibleValues, OfTheCoreBeforeBlameNoChangeInPlace) {
+  CheckedDaemon daemon(checked());
+  daemon.write_bad(1);
+  ASSERT_TRUE(daemon.becomes("first.implausible", 1));
+
+  const auto set = daemon.ask(
+      "param.set", {{"values", {{"first.core.bad", 5}}}, {"in_place", true}, {"probation", "100"}});
+
+  ASSERT_EQ(set["state"], "applied") << set;
+  EXPECT_TRUE(daemon.logs(1, "probation_passed", "100 jobs without a fault")) << daemon.errors();
+}
+
 }  // namespace
 }  // namespace mauve::test

@@ -39,6 +39,24 @@ TEST(Rules, WithStepsOfTheirOwnAreNamedByTheRollbackForThem) {
       daemon.logs(1, "transaction_applied", "the steps given by rule loud (first.core.gain"));
 }
 
+/// The file brings the rule, which changes a component that the file leaves as it is.
+TEST(Rules, WaitForNoConfirmationOfAFileThatBringsRules) {
+  RulesDaemon daemon(supervised(kCapped));
+  auto wanted = daemon.ask("config.get")["architecture"];
+  wanted["rules"].push_back(Json::parse(R"({ "name": "late", "when": "first.core.count > 1",
+      "do": [{ "set": "second.core.gain", "value": 3.0 }] })"));
+
+  const auto applied =
+      daemon.ask("architecture.apply", {{"text", wanted.dump()}, {"confirm_within", "600s"}});
+
+  ASSERT_EQ(applied["state"], "applied") << applied;
+  ASSERT_TRUE(daemon.fired("late", 1)) << daemon.rule("late");
+  EXPECT_THAT(daemon.answer("late"), HasSubstr("applied, generation"));
+  EXPECT_EQ(daemon.value("second.core.gain"), 3.0);
+  const auto open = daemon.ask("status.get")["probations"];
+  EXPECT_THAT(open.dump(), HasSubstr("confirm")) << "the file still waits";
+}
+
 TEST(Rules, FireAgainWhenTheirActionIsUndone) {
   RulesDaemon daemon(supervised(kCapped));
   daemon.ask("param.set", {{"values", {{"first.core.gain", 6.0}}}, {"probation", "off"}});

@@ -14,15 +14,15 @@ inline constexpr char kDrive = '\x91';
 inline const std::string kStand("\x91\0\0\0\0", 5);
 
 inline nlohmann::json guarded_architecture(const std::string& device) {
-  using Json = nlohmann::json;
-  const Json cruise = {{"type", "safety/cruise"},
-                       {"task", {{"priority", 20}}},
-                       {"properties", {{"core.velocity", {{"linear", 0.4}, {"angular", 0.0}}}}},
-                       {"ports", {{"command", "command.write"}}}};
-  const Json base = {{"type", "drivers/create"},
-                     {"task", {{"priority", 30}}},
-                     {"properties", {{"core.device", device}, {"core.baud", 0}}},
-                     {"ports", {{"command", "command.read"}}}};
+  const nlohmann::json cruise = {
+      {"type", "safety/cruise"},
+      {"task", {{"priority", 20}}},
+      {"properties", {{"core.velocity", {{"linear", 0.4}, {"angular", 0.0}}}}},
+      {"ports", {{"command", "command.write"}}}};
+  const nlohmann::json base = {{"type", "drivers/create"},
+                               {"task", {{"priority", 30}}},
+                               {"properties", {{"core.device", device}, {"core.baud", 0}}},
+                               {"ports", {{"command", "command.read"}}}};
   return {{"schema", "mauve/architecture/1"},
           {"name", "guarded"},
           {"plugins", {"types", "drivers", "safety"}},

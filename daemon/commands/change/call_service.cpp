@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// service.call: a client writes to, calls or fires a service. The code of the resource runs on
 /// [control], guarded like a value that is computed for a client: see look_outside.h.
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <new>
 
@@ -75,9 +77,27 @@ std::string whole_value(const Room& room) {
                                               : "a whole value: '" + text + "'";
 }
 
+/// A part of the value, or the value itself, is a NaN.
+bool holds_nan(const Value& value) {
+  if (const auto* number = value.get_if<double>()) {
+    return std::isnan(*number);
+  }
+  if (const auto* items = value.get_if<Value::Array>()) {
+    return std::ranges::any_of(*items, holds_nan);
+  }
+  const auto* fields = value.get_if<Value::Object>();
+  return fields != nullptr &&
+         std::ranges::any_of(*fields, holds_nan, &Value::Object::value_type::second);
+}
+
 Status fill(const std::string& at, const Json& json, const Room& room) {
   const auto value = arch::from_json(json);
-  Status done = value ? room.type().from_value(*value, room.data()) : Status(value.error());
+  const auto& type = room.type();
+  Status done = value ? type.from_value(*value, room.data()) : Status(value.error());
+  if (done && type.to_value != nullptr && holds_nan(type.to_value(room.data()))) {
+    return refuse({Errc::invalid_value, "value_out_of_range"}, at,
+                  "is not a number, or has a field or an item that is none");
+  }
   return done ? names_all_fields(at, room.type(), *value, whole_value(room))
               : detail::inside(std::move(done), at);
 }

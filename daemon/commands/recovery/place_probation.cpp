@@ -12,7 +12,10 @@
 #include "commands/recovery/abandoned.h"
 #include "exec/recovery/incident.h"
 #include "exec/system/prepared.h"
+#include "exec/update/fault_record.h"
 #include "mauve/host/architecture.h"
+#include "mauve/host/clock.h"
+#include "mauve/shell.h"
 
 namespace mauve::daemon {
 
@@ -188,6 +191,28 @@ struct Verdict {
   std::optional<Incident> incident = std::nullopt;
 };
 
+/// A value of the new core that a port did not let out, told as a failure of the core.
+std::optional<Incident> implausible_since(const ComponentBase& component,
+                                          const ComponentStatus& status, const FailureMark& mark) {
+  const bool counts_anew = status.implausible < mark.implausible;  // the ports are new
+  const auto refused = counts_anew ? status.implausible : status.implausible - mark.implausible;
+  if (refused == 0 || mark.hands_over_implausible) {
+    return std::nullopt;
+  }
+  Incident incident;
+  incident.time = MonotonicClock().now();
+  incident.cause = to_string(exec::Cause::implausible);
+  for (const auto* port : component.shell().ports()) {
+    if (incident.text.empty() && port->implausible().of_core > 0) {
+      incident.text = port->name();
+    }
+  }
+  incident.core = status.core;
+  incident.state = status.fsm_state;
+  incident.job = status.releases;
+  return incident;
+}
+
 Verdict judge(const Running& running, const PlaceProbation& place) {
   const auto* component = running.architecture.find_component(place.component);
   if (component == nullptr || component->bundle() != place.now) {
@@ -196,6 +221,9 @@ Verdict judge(const Running& running, const PlaceProbation& place) {
   const auto status = running.deployer.status(place.component);
   if (const auto failure = failure_since(running, place.before.failure)) {
     return {Outcome::Kind::rolled_back, to_string(*failure), failure};
+  }
+  if (const auto refused = implausible_since(*component, status, place.before.failure)) {
+    return {Outcome::Kind::rolled_back, to_string(*refused), refused};
   }
   const Duration passed = std::chrono::steady_clock::now() - place.since;
   if (place.rules.confirm_within > Duration{0}) {
@@ -234,7 +262,9 @@ void settle(Running& running, std::size_t index, Outcome::Kind kind, const std::
 
 FailureMark mark_failure(const Running& running, const std::string& component) {
   const auto failure = failure_since(running, {component});
-  return {component, failure ? std::optional(failure->time) : std::nullopt};
+  const auto status = running.deployer.status(component);
+  return {component, failure ? std::optional(failure->time) : std::nullopt, status.implausible,
+          status.implausible_of_core > 0};
 }
 
 std::optional<Incident> failure_since(const Running& running, const FailureMark& mark) {

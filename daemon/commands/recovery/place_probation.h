@@ -26,11 +26,13 @@ namespace mauve::daemon {
 struct Running;
 struct Call;
 
-/// The failure that a component had before its core changed. A component that is faulted stays so
-/// until it is started, with any core, so this failure is not one of the new core.
+/// What a component had done before its core changed. One that is faulted stays so until it is
+/// started, with any core, so its failure is not one of the new core.
 struct FailureMark {
   std::string component;
   std::optional<Instant> before = std::nullopt;  ///< none: it was neither faulted nor recovering
+  std::uint64_t implausible = 0;                 ///< values that its ports did not let out
+  bool hands_over_implausible = false;  ///< some of the core before, whose state the new one takes
 };
 
 /// [control] Recorded before the change is in force.

@@ -157,8 +157,11 @@ std::string in_words(const std::vector<std::string>& names) {
 bool concerns(const System& system, const Content& change, const Content& before) {
   MAUVE_ON_THREAD(control);
   if (same_names(system, change, names_of(before))) return true;
-  // Rules refer to everything, and the order of resources within each other is that of all.
-  if (change.changes_rules || before.changes_rules) return true;
+  // Rules refer to everything. But what a rule brings to components of its own waits for nobody,
+  // and takes nothing from a change on probation that brought rules.
+  const bool by_rule = change.probation && change.probation->only_undo;
+  if (change.changes_rules || (before.changes_rules && !by_rule)) return true;
+  // The order of resources within each other is that of all.
   if (has_resources(change) && has_resources(before)) return true;
   Resources joined;
   for (const auto& resource : before.new_resources) joined.insert(resource.get());

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 #include <string_view>
 #include <system_error>
 
@@ -18,6 +19,10 @@ namespace {
 
 constexpr unsigned kMemoryDevices = 1;  ///< the major number of /dev/null
 constexpr unsigned kInputDevices = 13;  ///< of joysticks
+
+bool names_device(const PropertyBase* property) {
+  return property->within().find("/dev/") != std::string_view::npos;
+}
 
 /// Equal for two paths of one device; empty: any number of readers may share it.
 std::string identity_of(const std::string& path) {
@@ -39,21 +44,28 @@ std::string identity_of(const std::string& path) {
 
 const PropertyBase* device_of(const CoreBase& core) {
   const auto& all = core.properties();
-  const auto found = std::find_if(all.begin(), all.end(), [](const PropertyBase* property) {
-    return property->within().find("/dev/") != std::string_view::npos;
-  });
+  const auto found = std::find_if(all.begin(), all.end(), names_device);
   return found == all.end() ? nullptr : *found;
 }
 
 void Devices::put(const std::string& component, const CoreBase& core, bool is_new) {
-  const auto before = opened_.extract(component);
-  const PropertyBase* const device = device_of(core);
-  if (device == nullptr) return;
-  const Value value = device->value();
-  const auto* const path = value.get_if<std::string>();
-  if (path == nullptr || path->empty()) return;
-  const bool is_other = before.empty() || before.mapped().path != *path;
-  opened_[component] = {device->address(), *path, is_new && is_other};
+  std::set<std::string> before;
+  for (const auto& [address, one] : opened_) {
+    if (one.component == component) before.insert(one.path);
+  }
+  remove(component);
+  for (const PropertyBase* const property : core.properties()) {
+    if (!names_device(property)) continue;
+    const Value value = property->value();
+    const auto* const path = value.get_if<std::string>();
+    if (path == nullptr || path->empty()) continue;
+    opened_[property->address()] = {component, *path, is_new && !before.contains(*path)};
+  }
+}
+
+void Devices::remove(const std::string& component) {
+  std::erase_if(opened_,
+                [&component](const auto& entry) { return entry.second.component == component; });
 }
 
 std::vector<Error> Devices::errors() const {
@@ -65,13 +77,14 @@ std::vector<Error> Devices::errors() const {
     if (identity.empty()) continue;
     const auto other = std::ranges::find_if(opened_, [&](const auto& its) {
       const bool comes_later = its.second.is_new && its.first >= entry.first;  // the second one
-      return &its != &entry && !comes_later && identity_of(its.second.path) == identity;
+      return its.second.component != one.component && !comes_later &&
+             identity_of(its.second.path) == identity;
     });
     if (other == opened_.end()) continue;
     const std::string as = other->second.path == one.path ? "" : " as " + other->second.path;
     errors.push_back(
-        refuse({Errc::conflict, "device_has_driver"}, one.address,
-               one.path + " is the device of " + other->second.address + as +
+        refuse({Errc::conflict, "device_has_driver"}, entry.first,
+               one.path + " is the device of " + other->first + as +
                    " already: of two drivers each overrules the other, or takes its bytes",
                "name the device of this driver, or remove the other one in the same change"));
   }
@@ -80,15 +93,16 @@ std::vector<Error> Devices::errors() const {
 
 std::vector<std::pair<std::string, std::string>> Devices::notes() const {
   std::vector<std::pair<std::string, std::string>> notes;
-  std::map<std::string, const Opened*> first;  // by identity
-  for (const auto& [component, one] : opened_) {
+  std::map<std::string, std::string> first;  // address by identity
+  for (const auto& [address, one] : opened_) {
     const std::string identity = identity_of(one.path);
-    const auto [other, alone] = first.emplace(identity, &one);
-    if (alone || identity.empty()) continue;
-    notes.emplace_back(one.address, "names " + one.path + ", which has become the device of " +
-                                        other->second->address +
-                                        " too: each of these drivers overrules the other, or takes "
-                                        "its bytes; stop one of them");
+    const auto [other, alone] = first.emplace(identity, address);
+    const bool own = opened_.at(other->second).component == one.component;
+    if (alone || own || identity.empty()) continue;
+    notes.emplace_back(address, "names " + one.path + ", which has become the device of " +
+                                    other->second +
+                                    " too: each of these drivers overrules the other, or takes "
+                                    "its bytes; stop one of them");
   }
   return notes;
 }

@@ -19,13 +19,14 @@ class PropertyBase;
 [[nodiscard]] const PropertyBase* device_of(const CoreBase& core);
 
 /// The devices of all components, as they are or as a change would leave them. A device is the text
-/// of device_of() of a core. A resource may share the device of a component, as a brake does.
+/// of a property of a core for paths in /dev/; a core may have several. A resource may share the
+/// device of a component, as a brake does.
 class Devices {
  public:
   /// The component has this core now. `is_new`: the core is asked for, and errors() is about it if
   /// it names another device than the core before.
   void put(const std::string& component, const CoreBase& core, bool is_new);
-  void remove(const std::string& component) { opened_.erase(component); }
+  void remove(const std::string& component);
 
   /// A refusal with `conflict` for each device that is new and is that of another component, under
   /// whichever path: of two drivers each overrules the other, or takes its bytes. Two old ones may
@@ -38,12 +39,12 @@ class Devices {
 
  private:
   struct Opened {
-    std::string address;  ///< of the property
+    std::string component;
     std::string path;
     bool is_new = false;
   };
 
-  std::map<std::string, Opened> opened_;  // by component
+  std::map<std::string, Opened> opened_;  // by the address of the property
 };
 
 }  // namespace mauve

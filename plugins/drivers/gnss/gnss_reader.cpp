@@ -58,6 +58,9 @@ GnssReader::Event GnssReader::read_message(Bytes message, double now) {
   const std::optional<rover::GnssFix> fix = read_pvt(message);
   if (!fix) return Event::malformed;
   last_message_ = now;
+  const bool again = fix->mode >= 2 && next_.mode >= 2 && fix->time == message_time_;
+  if (again) return Event::ignored;  // some receivers send it on demand too
+  message_time_ = fix->time;
   next_ = *fix;
   context_ = {};
   context_.separation = pvt_separation(message);

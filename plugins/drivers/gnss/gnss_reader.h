@@ -56,6 +56,7 @@ class GnssReader {
   double held_since_ = 0.0;
   double patience_ = 0.5;  // s that an epoch is held at most
   double last_message_ = -std::numeric_limits<double>::infinity();
+  double message_time_ = -1.0;  // s of the day, of the epoch in the last message
 };
 
 }  // namespace drivers

@@ -170,5 +170,57 @@ TEST_F(OnlyUndo, HoldsForTheChangesThatItJoins) {
   EXPECT_EQ(state(), ComponentState::faulted);
 }
 
+/// The first change of a user, which brings rules as well and fails later.
+Change of_left_with_rules(Probation probation) {
+  Change change{{ramp::to_core<ramp::ThrowingInJob>("throwing", "left")}};
+  change.probation = probation;
+  change.changes_rules = true;
+  return change;
+}
+Change of_right_by_rule() {
+  Change change{{ramp::to_core<ramp::Down>("down", "right")}};
+  change.probation = Probation{.only_undo = true};
+  return change;
+}
+
+class RuleBesideAChangeOfRules : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(deployer.deploy()); }
+  ramp::Two<ramp::Up> architecture;
+  Deployer deployer{architecture, {.simulated = true}};
+};
+
+TEST_F(RuleBesideAChangeOfRules, DoesNotWaitForItsConfirmation) {
+  ASSERT_TRUE(deployer.apply(of_left_with_rules({.confirm_within = 1h})));
+
+  const auto applied = deployer.apply(of_right_by_rule());
+
+  ASSERT_TRUE(applied) << to_string(applied.error());
+  EXPECT_EQ(deployer.status("right").core, "down");
+  EXPECT_EQ(deployer.probations().size(), 2u);
+}
+
+TEST_F(RuleBesideAChangeOfRules, LeavesTheWayBackOfItsNewCore) {
+  ASSERT_TRUE(deployer.apply(of_left_with_rules({})));
+  ASSERT_TRUE(deployer.apply(of_right_by_rule()));
+
+  deployer.run_for(200ms);
+  const auto ends = tend(deployer);
+
+  EXPECT_NE(deployer.status("left").core, "throwing");
+  EXPECT_EQ(deployer.status("left").state, ComponentState::running);
+  EXPECT_EQ(deployer.status("right").core, "down") << "it is none of the change that failed";
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_EQ(ends[0].kind, Outcome::Kind::rolled_back);
+}
+
+TEST_F(RuleBesideAChangeOfRules, IsHeldUpByItInAComponentOfBoth) {
+  ASSERT_TRUE(deployer.apply(of_left_with_rules({.confirm_within = 1h})));
+  Change change{{ramp::to_core<ramp::Down>("down", "left")}};
+  change.probation = Probation{.only_undo = true};
+
+  EXPECT_FALSE(deployer.apply(change)) << "the host rolls the first one back before";
+}
+
 }  // namespace
 }  // namespace mauve

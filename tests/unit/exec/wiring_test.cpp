@@ -254,6 +254,34 @@ TEST(Devices, ThatHaveBecomeOneBlameNoChangeOfAnotherValue) {
   EXPECT_EQ(refused.error().at, "base.core.device");
 }
 
+struct DriverOfTwoDevices : DriverOfADevice {
+  Property<std::string> spare{*this, "spare", "pty:two", "", {.within = "/dev/ pty:"}};
+};
+struct ThreeDevices : Architecture {
+  Component<EmptyShell, DriverOfADevice, PeriodicFsm<DriverOfADevice>> base{*this, "base"};
+  Component<EmptyShell, DriverOfTwoDevices, PeriodicFsm<DriverOfTwoDevices>> second{*this,
+                                                                                    "second"};
+  Status on_configure() override {
+    second.core().device = "pty:three";
+    return ok();
+  }
+};
+
+TEST(Devices, OfOneCoreAreAllCompared) {
+  ThreeDevices robot;
+  Deployer deployer(robot, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+
+  const auto refused = deployer.set("second.core.spare", std::string("pty:one"));
+  const auto other = deployer.set("base.core.device", std::string("pty:two"));
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().id, "device_has_driver");
+  EXPECT_EQ(refused.error().at, "second.core.spare");
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error().at, "base.core.device");
+}
+
 TEST(Notes, NameTransactionsThatWouldAddASecondWriter) {
   using rules::Action;
   Robot robot;
