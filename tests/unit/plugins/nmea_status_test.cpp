@@ -118,6 +118,70 @@ TEST(NmeaStatus, NoSatellitesInGgaIsAFixWhereRmcVouchesForIt) {
   EXPECT_EQ(epochs_of({three, gga_at(0, "2", "00")}).at(0).mode, 1) << "nobody vouches";
 }
 
+std::string gsa(int mode, const std::string& talker = "GP") {
+  return talker + "GSA,A," + std::to_string(mode) + ",17,28,06,01,30,,,,,,,,1.8,0.9,1.5";
+}
+
+TEST(NmeaStatus, GsaOfTheSameEpochMakesItNoFix) {
+  EXPECT_EQ(epochs_of({rmc_at(0, "A", "A"), gsa(1), gga_at(0, "1", "09")}).at(0).mode, 1);
+  EXPECT_EQ(epochs_of({rmc_at(0, "A", "A"), gsa(3), gga_at(0, "1", "09")}).at(0).mode, 3);
+  EXPECT_EQ(epochs_of({gsa(1), gga_at(0, "1", "09"), rmc_at(0, "A", "A")}).at(0).mode, 1)
+      << "whichever comes first";
+  EXPECT_EQ(epochs_of({gsa(1), gga_at(0, "1", "09")}).at(0).latitude, 0.0);
+}
+
+TEST(NmeaStatus, GsaOfOneSystemWithoutAFixCostsNoEpoch) {
+  for (const bool gga_first : {true, false}) {
+    for (const int first : {1, 3}) {
+      std::vector<std::string> frames;
+      for (int second = 0; second < 8; ++second) {
+        frames.push_back(rmc_at(second, "A", "A"));
+        if (gga_first) frames.push_back(gga_at(second, "1", "09"));
+        frames.push_back(gsa(first, "GN"));
+        frames.push_back(gsa(4 - first, "GN"));
+        frames.push_back(gsa(1, "GN"));
+        if (!gga_first) frames.push_back(gga_at(second, "1", "09"));
+      }
+
+      const auto epochs = epochs_of(frames);
+
+      ASSERT_EQ(epochs.size(), 8U);
+      for (const auto& fix : epochs) EXPECT_EQ(fix.mode, 3);
+    }
+  }
+}
+
+TEST(NmeaStatus, GsaAfterGgaIsWaitedForWhereTheLastWasVoid) {
+  for (const bool with_rmc : {true, false}) {
+    std::vector<std::string> frames;
+    for (int second = 0; second < 8; ++second) {
+      if (with_rmc) frames.push_back(rmc_at(second, "A", "A"));
+      frames.push_back(gga_at(second, "1", "09"));
+      frames.push_back(gsa(1));
+      frames.push_back(gsa(second < 4 ? 1 : 3, "GL"));
+    }
+
+    const auto epochs = epochs_of(frames);
+
+    ASSERT_EQ(epochs.size(), 8U);
+    for (std::size_t i = 1; i < 8; ++i) EXPECT_EQ(epochs[i].mode, i < 4 ? 1 : 3) << i;
+  }
+}
+
+TEST(NmeaStatus, GsaThatIsRarerThanGgaDeniesOnlyItsOwnEpochs) {
+  std::vector<std::string> frames;
+  for (int second = 0; second < 10; ++second) {
+    frames.push_back(rmc_at(second, "A", "A"));
+    if (second == 3) frames.push_back(gsa(1));
+    frames.push_back(gga_at(second, "1", "09"));
+  }
+
+  const auto epochs = epochs_of(frames);
+
+  ASSERT_EQ(epochs.size(), 10U);
+  for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(epochs[i].mode, i == 3 ? 1 : 3) << i;
+}
+
 TEST(NmeaNumbers, MayHaveASignZerosAndBlanks) {
   for (const char* height : {"+150.0", "+00150", " 150.0 ", "150", "150.", "0150.000"}) {
     const auto epochs = epochs_of({"GPGGA,120000.00,4334.00000,N,00128.00000,E,1, 9,+0.9," +
