@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cfenv>
+#include <cstdint>
 
 namespace mauve::rt {
 
@@ -17,6 +18,12 @@ inline void drop_x87_leftovers() {
                : "st", "st(1)", "st(2)", "st(3)", "st(4)", "st(5)", "st(6)", "st(7)", "mm0", "mm1",
                  "mm2", "mm3", "mm4", "mm5", "mm6", "mm7");
 }
+#elif defined(__aarch64__)
+/// Both registers whole. fesetenv() keeps the bits that glibc does not name: the default NaN and
+/// the forms of half precision would stay as a body left them.
+inline void set_float_registers(std::uint64_t control, std::uint64_t status) {
+  asm volatile("msr fpcr, %0\n\tmsr fpsr, %1" : : "r"(control), "r"(status));
+}
 #endif
 
 /// Rounding to nearest, subnormal numbers as they are, no traps, no flags: as a process begins. The
@@ -28,6 +35,8 @@ inline void use_default_float_environment() {
   constexpr unsigned short kX87 = 0x037f;
   drop_x87_leftovers();
   asm volatile("ldmxcsr %0\n\tfldcw %1" : : "m"(kSse), "m"(kX87));
+#elif defined(__aarch64__)
+  set_float_registers(0, 0);
 #else
   static_cast<void>(std::fesetenv(FE_DFL_ENV));
 #endif
@@ -46,6 +55,15 @@ class FloatEnvironment {
  private:
   unsigned sse_ = 0;
   unsigned short x87_ = 0;
+#elif defined(__aarch64__)
+  FloatEnvironment() {
+    asm volatile("mrs %0, fpcr\n\tmrs %1, fpsr" : "=r"(control_), "=r"(status_));
+  }
+  void put_back() const { set_float_registers(control_, status_); }
+
+ private:
+  std::uint64_t control_ = 0;
+  std::uint64_t status_ = 0;
 #else
   FloatEnvironment() { std::fegetenv(&environment_); }
   void put_back() const { std::fesetenv(&environment_); }

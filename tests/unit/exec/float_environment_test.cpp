@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// A core that changes rounding, subnormal numbers or traps does so for its own job.
+#include <bit>
 #include <cfenv>
 #include <cfloat>
+#include <cstdint>
 
 #include <gtest/gtest.h>
 
@@ -14,6 +16,8 @@
 namespace mauve {
 namespace {
 
+constexpr std::uint64_t kNoted = 0x7ff8000000000123;
+
 /// Shows the results of arithmetic that no compiler does before.
 struct Arithmetic : ramp::RampCore {
   State<ramp::Position> state{*this};
@@ -21,6 +25,7 @@ struct Arithmetic : ramp::RampCore {
   Observable<bool> subnormals{*this, "subnormals"};
   Observable<bool> traps{*this, "traps"};
   Observable<bool> wide{*this, "wide"};
+  Observable<bool> payload{*this, "payload"};
 
   void update() override {
     volatile double one = 1.0;
@@ -31,6 +36,8 @@ struct Arithmetic : ramp::RampCore {
     traps = fegetexcept() != 0;
     volatile long double wide_three = 3.0L;
     wide = 1.0L / wide_three * wide_three == 1.0L;
+    volatile double noted = std::bit_cast<double>(kNoted);  // not a number, with a note in it
+    payload = std::bit_cast<std::uint64_t>(noted + one) == kNoted;
   }
 };
 
@@ -44,6 +51,11 @@ struct Careless : Arithmetic {
     volatile long double zero = 0.0L;
     volatile long double endless = 1.0L / zero;  // the trap below waits for the next instruction
     static_cast<void>(endless);
+#elif defined(__aarch64__)
+    std::uint64_t control = 0;
+    asm volatile("mrs %0, fpcr" : "=r"(control));
+    control |= 0x3000000U;  // flush to zero, default NaN
+    asm volatile("msr fpcr, %0" : : "r"(control));
 #endif
     feenableexcept(FE_DIVBYZERO | FE_INVALID);
   }
@@ -103,6 +115,7 @@ void expect_default(const Machine& machine) {
   EXPECT_TRUE(core.subnormals);
   EXPECT_FALSE(core.traps);
   EXPECT_TRUE(core.wide);
+  EXPECT_TRUE(core.payload);
 }
 
 TEST_F(FloatEnvironment, IsTheDefaultInEachJobOfACoreThatChangesIt) {
