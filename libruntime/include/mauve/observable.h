@@ -136,9 +136,8 @@ class Warning final : public ObservableBase {
     if (change(false)) log(LogLevel::info, said, a, b);
   }
 
-  [[nodiscard]] bool lasts() const {
-    return bits_.load(std::memory_order_relaxed) != 0;
-  }  ///< [any]
+  /// A thread that sees it last sees its reason and its time too. [any]
+  [[nodiscard]] bool lasts() const { return bits_.load(std::memory_order_acquire) != 0; }
   /// With its arguments. Empty: the core before gave it. [any but rt]
   [[nodiscard]] std::string reason() const;
   /// True while it lasts. [any but rt]

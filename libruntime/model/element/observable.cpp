@@ -30,7 +30,7 @@ void Warning::keep(const char* reason, const LogArgument& a, const LogArgument& 
   };
   keep_one(a_, a);
   keep_one(b_, b);
-  reason_.store(reason, std::memory_order_relaxed);
+  reason_.store(reason, std::memory_order_release);
 }
 
 std::string Warning::reason() const {
@@ -39,7 +39,7 @@ std::string Warning::reason() const {
                ? LogArgument(from.number.load(std::memory_order_relaxed))
                : LogArgument(from.integer.load(std::memory_order_relaxed));
   };
-  const char* const reason = reason_.load(std::memory_order_relaxed);
+  const char* const reason = reason_.load(std::memory_order_acquire);
   return reason == nullptr ? std::string() : fill_in(reason, kept(a_), kept(b_));
 }
 
@@ -47,8 +47,8 @@ Value Warning::value() const { return lasts(); }
 
 bool Warning::change(bool now_lasts) {
   if (lasts() == now_lasts) return false;
-  bits_.store(now_lasts ? 1 : 0, std::memory_order_relaxed);
   written_.store(job_time(), std::memory_order_relaxed);
+  bits_.store(now_lasts ? 1 : 0, std::memory_order_release);
   return true;
 }
 
