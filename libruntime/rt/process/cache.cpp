@@ -22,6 +22,8 @@ namespace mauve::rt {
   }
 #if defined(__x86_64__)
   asm volatile("lfence" : : : "memory");
+#elif defined(__aarch64__)
+  asm volatile("dsb ishld" : : : "memory");
 #endif
 }
 
