@@ -14,6 +14,12 @@
 namespace mauve::ctl::doctor {
 namespace {
 
+/// Debian's kernel with PREEMPT_RT for this machine.
+#if defined(__aarch64__)
+constexpr const char* kGetRealTime = "apt install linux-image-rt-arm64";
+#else
+constexpr const char* kGetRealTime = "apt install linux-image-rt-amd64";
+#endif
 constexpr std::size_t kNamed = 5;  // foreign threads, the others are counted
 
 /// The word in brackets of "always [madvise] never"; of preemption they are round.
@@ -114,9 +120,10 @@ Finding check_preemption(const Facts& facts) {
   const std::string model = preemption_of(facts, dynamic);
   const std::string found = dynamic ? "PREEMPT_DYNAMIC, " : "";
   if (model == "full") return good(found + "full; PREEMPT_RT has lower worst cases");
-  const std::string remedy = dynamic ? "on the kernel's command line: preempt=full; lower worst "
-                                       "cases: apt install linux-image-rt-amd64"
-                                     : "apt install linux-image-rt-amd64, then reboot";
+  const std::string remedy =
+      dynamic ? std::string("on the kernel's command line: preempt=full; lower worst cases: ") +
+                    kGetRealTime
+              : std::string(kGetRealTime) + ", then reboot";
   return doubt(found + (model.empty() ? "model not to be read" : model) +
                    ": a system call of somebody else may delay a release by milliseconds",
                remedy);
