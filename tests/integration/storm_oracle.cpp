@@ -6,12 +6,6 @@
 #include <iterator>
 
 namespace mauve::test {
-namespace {
-
-constexpr const char* kStop = "component.stop";
-
-}  // namespace
-
 void StormOracle::check_status(const Json& components, Moment from, Moment to) {
   const std::lock_guard lock(mutex_);
   for (const auto& row : components) {
@@ -71,14 +65,16 @@ void StormOracle::check_history(const Json& items) {
 
 void StormOracle::forget_lost_stops(const Json& items) {
   const std::lock_guard lock(mutex_);
-  std::set<std::uint64_t> stops;
+  std::map<std::uint64_t, std::string> commands;
   for (const auto& item : items) {
-    if (item.value("command", "") == kStop) stops.insert(item.value("generation", 0ULL));
+    commands[item.value("generation", std::uint64_t{0})] = item.value("command", "");
   }
   const auto lost = [&](const auto& one) {
-    return one.second.method == kStop && !stops.contains(one.first);
+    const auto kept = commands.find(one.first);
+    const bool its = kept != commands.end() && kept->second == one.second.method;
+    return one.second.stops && !its;
   };
-  missing_[kStop] += static_cast<int>(std::erase_if(made_, lost));
+  missing_["stops"] += static_cast<int>(std::erase_if(made_, lost));
 }
 
 void StormOracle::check_saved(const Json& items) {
@@ -93,7 +89,7 @@ void StormOracle::check_saved(const Json& items) {
     const Made& made = it->second;
     // The rollback of a core that fails at once may be in force before the answer.
     const bool may_lack =
-        made.method == kStop || made.method == "core.swap" || made.method == "plugin.reload";
+        made.stops || made.method == "core.swap" || made.method == "plugin.reload";
     if (made.saved && !there.contains(made.generation)) {
       ++missing_[made.method];
       if (!may_lack) {

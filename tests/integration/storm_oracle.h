@@ -57,13 +57,19 @@ class StormOracle {
     auto& stamp = stamps_[value];
     stamp = {outcome, ++now_, generation};
   }
-  /// An answer says that this method made this generation.
-  void made(const std::string& method, std::uint64_t generation, bool saved) {
+  /// What an answer says about a generation.
+  struct Made {
+    std::uint64_t generation = 0;
+    std::string method;
+    bool saved = false;
+    bool stops = false;  ///< it only stops, and is saved itself before its generation is
+  };
+  void made(const Made& one) {
     const std::lock_guard lock(mutex_);
-    const auto [there, fresh] = made_.emplace(generation, Made{generation, method, saved});
+    const auto [there, fresh] = made_.emplace(one.generation, one);
     if (fresh) return;
-    violate_("generation " + std::to_string(generation) + " is answered as made by " + method +
-             " and by " + there->second.method);
+    violate_("generation " + std::to_string(one.generation) + " is answered as made by " +
+             one.method + " and by " + there->second.method);
   }
   void confirmed(std::uint64_t generation) {
     const std::lock_guard lock(mutex_);

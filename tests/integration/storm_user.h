@@ -135,6 +135,13 @@ class StormUser {
   }
 
  private:
+  /// Steps that only stop are carried out and saved as a stop.
+  [[nodiscard]] static bool only_stops(const Json& result) {
+    const auto lines = result.value("lines", Json::array());
+    return !lines.empty() && std::all_of(lines.begin(), lines.end(), [](const Json& line) {
+      return line.value("kind", "") == "start" && line.value("new", Json()) == false;
+    });
+  }
   Json exchange(const StormRequest& request) {
     if (client_ == nullptr) return Json::object();
     const auto until = std::chrono::steady_clock::now() + kLongestAnswer;
@@ -184,7 +191,8 @@ class StormUser {
       oracle_.undone(result["undone"]["generations"]);
     } else if (result.value("state", "") == "applied" && result.value("changed", false) &&
                !result.contains("directly")) {
-      oracle_.made(request.method, generation, saved);
+      const bool stops = request.method == "component.stop" || only_stops(result);
+      oracle_.made({generation, request.method, saved, stops});
     }
   }
 
