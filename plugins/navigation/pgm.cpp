@@ -102,6 +102,10 @@ mauve::Result<MapImage> parse_pgm(std::string_view bytes, const std::string& nam
         "one blank ends the header (no CR LF), and nothing follows the last level: write "
         "the image anew");
   }
+  if (plain && numbers.next()) {
+    return refuse(Errc::invalid_value, {}, name + ": has more levels than " + cells_of(count),
+                  "nothing follows the last level: the file is damaged, or its header is wrong");
+  }
   return image;
 }
 

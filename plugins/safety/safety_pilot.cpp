@@ -88,7 +88,8 @@ class Pilot final : public mauve::Core<PilotShell> {
     const bool usable = has_value(status) && status != mauve::DataStatus::stale;
     if (usable && !(std::isfinite(wanted.linear) && std::isfinite(wanted.angular))) {
       if (rover::worth_reporting(++bad_commands)) {
-        mauve::log(mauve::LogLevel::warning, "{} commands that are no numbers", bad_commands.get());
+        mauve::log(mauve::LogLevel::warning, "commands that are no numbers: {} so far",
+                   bad_commands.get());
       }
     }
     shell().safe_command.write(usable ? limited(wanted, zone_now) : Velocity{});

@@ -22,6 +22,7 @@
 #include <sys/fsuid.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/signalfd.h>
 #include <sys/stat.h>
 #include <sys/time.h>
 #include <unistd.h>
@@ -71,6 +72,12 @@ bool is_other_locale(int category, const char* name) {
 bool is_other_action(int signal, __sighandler_t handler) {
   struct sigaction now {};
   return in_library_sigaction.find()(signal, nullptr, &now) == 0 && now.sa_handler != handler;
+}
+
+/// Whoever waits for these takes the order to end from mauved.
+bool has_end_of_mauved(const sigset_t* set) {
+  return set != nullptr && (sigismember(set, SIGTERM) == 1 || sigismember(set, SIGINT) == 1 ||
+                            sigismember(set, SIGHUP) == 1);
 }
 
 bool is_realtime() { return sched_getscheduler(0) > SCHED_OTHER; }

@@ -214,7 +214,8 @@ class CreateOi final : public BaseCore {
     if (!fresh) return {};
     if (!std::isfinite(command.linear) || !std::isfinite(command.angular)) {
       if (rover::worth_reporting(++bad_commands)) {
-        mauve::log(mauve::LogLevel::warning, "{} commands that are no numbers", bad_commands.get());
+        mauve::log(mauve::LogLevel::warning, "commands that are no numbers: {} so far",
+                   bad_commands.get());
       }
       return {};
     }

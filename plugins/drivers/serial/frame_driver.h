@@ -93,7 +93,7 @@ class FrameDriver : public CoreT {
   /// Counts an undamaged frame whose values cannot be, which is skipped.
   void count_implausible() {
     if (rover::worth_reporting(++implausible)) {
-      mauve::log(mauve::LogLevel::warning, "{} frames with values that cannot be",
+      mauve::log(mauve::LogLevel::warning, "frames with values that cannot be: {} so far",
                  implausible.get());
     }
   }

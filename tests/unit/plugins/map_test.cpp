@@ -197,6 +197,7 @@ TEST(Pgm, IsRefusedWithItsReason) {
   expect("P5\r\n2 2\r\n255\r\nabcd", "5 bytes of levels for 4 cells");
   expect("P2 2 2 255\n1 2 3 4000", "cell 3 of 4");
   expect("P2 2 2 9\n1 2 3 10", "cell 3 of 4");
+  expect("P2 2 2 255\n1 2 3 4 5", "has more levels than 4 cells");
 }
 
 }  // namespace

@@ -57,6 +57,13 @@ const std::map<std::string, Call> kHarmless{
      }},
     {"dup3", [] { use(close(dup3(1, 999, O_CLOEXEC))); }},
     {"fclose", [] { use(fclose(fopen("/dev/null", "re"))); }},
+    {"signalfd",
+     [] {
+       sigset_t other;
+       sigemptyset(&other);
+       sigaddset(&other, SIGUSR2);
+       use(close(signalfd(-1, &other, SFD_CLOEXEC)));
+     }},
     {"setenv",
      [] {
        use(setenv("PATH", "/nowhere", 0));

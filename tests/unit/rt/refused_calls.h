@@ -22,6 +22,7 @@
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/signalfd.h>
 #include <sys/stat.h>
 #include <sys/time.h>
 #include <unistd.h>
@@ -39,6 +40,12 @@ template <typename Result>
 void use(Result /*result*/) {}
 
 inline void handle(int /*signal*/) {}
+inline sigset_t ends_mauved() {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, SIGTERM);
+  return set;
+}
 inline void handle_exit(int /*status*/, void* /*argument*/) {}
 
 /// Each row by its name. The arguments are such that a call which is not refused does little.
@@ -74,6 +81,28 @@ inline const std::map<std::string, Call> kCalls{
     {"sigignore", [] { use(sigignore(SIGUSR1)); }},
     {"siginterrupt", [] { use(siginterrupt(SIGUSR1, 1)); }},
     {"sighold", [] { use(sighold(SIGUSR1)); }},
+    {"sigwait",
+     [] {
+       const sigset_t end = ends_mauved();
+       int signal = 0;
+       use(sigwait(&end, &signal));
+     }},
+    {"sigwaitinfo",
+     [] {
+       const sigset_t end = ends_mauved();
+       use(sigwaitinfo(&end, nullptr));
+     }},
+    {"sigtimedwait",
+     [] {
+       const sigset_t end = ends_mauved();
+       const timespec now{};
+       use(sigtimedwait(&end, nullptr, &now));
+     }},
+    {"signalfd",
+     [] {
+       const sigset_t end = ends_mauved();
+       use(signalfd(-1, &end, SFD_CLOEXEC));
+     }},
     {"sigaltstack",
      [] {
        stack_t none{};
