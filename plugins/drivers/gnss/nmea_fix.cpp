@@ -168,9 +168,7 @@ FixReader::Event FixReader::read_gsa(const Fields& fields) {
   if (mode.size() != 1 || mode[0] < '1' || mode[0] > '3') return Event::malformed;
   dimensions_ = std::max(dimensions_, mode[0] - '0');
   dilution_ = number_or(fields[16], 0.0).value_or(0.0);
-  gsa_time_ = heard_time_;
-  gsa_answers_ = waits_;
-  return waits_ && !in_doubt() ? decide(status_known()) : Event::ignored;
+  return Event::ignored;
 }
 
 FixReader::Event FixReader::read_gga(const Fields& fields) {
@@ -180,7 +178,6 @@ FixReader::Event FixReader::read_gga(const Fields& fields) {
   if (talkers_.comes_late(talker, gga->time)) return Event::ignored;
   unread_ = holds() && talkers_.begins(talker, gga->time);
   if (unread_) return release();
-  if (gga->time >= 0.0) heard_time_ = gga->time;
   const Talkers::Use use = talkers_.take(talker, gga->time, gga->rank);
   if (use == Talkers::Use::hold) held_ = gga;
   if (use != Talkers::Use::now) return Event::ignored;
@@ -201,36 +198,24 @@ FixReader::Event FixReader::release() {
 FixReader::Event FixReader::begin(const Gga& gga) {
   answers_after_ = std::exchange(answered_, false);
   time_ = gga.time;
-  gsa_first_ = gsa_time_ >= 0.0 && gsa_time_ == gga.time;
   fix_ = gga.fix;
   no_satellites_ = gga.no_satellites;
   grain_ = gga.grain;
   context_ = {};
   context_.separation = gga.separation;
   context_.dilution_known = dilution_ > 0.0 && dilution_ == fix_.hdop;
-  waits_ = in_doubt();
+  const bool doubt = fix_.mode > 1 && (no_satellites_ || status_before() == Status::invalid);
+  waits_ = doubt && status_now() == Status::unknown && answers_after_;
   return waits_ ? Event::ignored : decide(status_known());
 }
 
-/// The epoch before was void for RMC, GLL, GNS or GSA, and what these say of this one may follow.
-/// GSA has no time, and a receiver may send one for each system: one with a fix is enough.
-bool FixReader::in_doubt() const {
-  if (fix_.mode < 2) return false;
-  if (dimensions_ == 1 && !gsa_first_) return true;
-  const bool doubt = no_satellites_ || status_before() == Status::invalid;
-  return doubt && status_now() == Status::unknown && answers_after_;
-}
-
-/// The fix is complete: what RMC, GLL, GNS and GSA say decides whether it is one.
+/// The fix is complete: what RMC, GLL and GNS say decides whether it is one.
 FixReader::Event FixReader::decide(Status status) {
   waits_ = false;
   // A receiver that searches repeats an old position, with 0 satellites in GGA.
-  const bool old = no_satellites_ && status != Status::valid;
-  const bool searches = dimensions_ == 1;
-  if (gsa_answers_ && dimensions_ == 2) fix_.mode = std::min(fix_.mode, 2);
-  // One that came behind this GGA is what the next GGA finds.
-  if (!std::exchange(gsa_answers_, false)) dimensions_ = 0;
-  if (status == Status::invalid || old || searches) {
+  const bool old = no_satellites_ && (status != Status::valid || dimensions_ == 1);
+  dimensions_ = 0;
+  if (status == Status::invalid || old) {
     fix_.mode = 1;
     fix_.latitude = fix_.longitude = fix_.altitude = 0.0;
   }
@@ -248,13 +233,9 @@ FixReader::Event FixReader::decide(Status status) {
 
 FixReader::Event FixReader::hear(const Witness& said, Witness& kept) {
   kept = said;
-  if (said.time >= 0.0) heard_time_ = said.time;
   const bool of_epoch = at(said, time_);
   if (said.status != Status::unknown) answered_ = answered_ || of_epoch || time_ < 0.0;
-  const bool answers = of_epoch && said.status != Status::unknown;
-  if (waits_ && answers && (said.status == Status::invalid || !in_doubt())) {
-    return decide(status_now());
-  }
+  if (waits_ && of_epoch && said.status != Status::unknown) return decide(status_now());
   if (!waits_ && same_epoch(said, fix_)) compare(same_place(said, fix_, grain_));
   return Event::ignored;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// From NMEA sentences to gnss_fix/1: one fix for each epoch, from GGA. Its dimensions are from the
-/// last GSA, and RMC, GLL, GNS and GSA say whether it is valid.
+/// last GSA, and RMC, GLL and GNS say whether it is valid and confirm it.
 #pragma once
 
 #include <array>
@@ -98,7 +98,6 @@ class FixReader {
   Event begin(const Gga& gga);
   Event read_gsa(const Fields& fields);
   Event hear(const Witness& said, Witness& kept);
-  [[nodiscard]] bool in_doubt() const;
   Event decide(Status status);
   [[nodiscard]] std::array<const Witness*, 3> witnesses() const { return {&rmc_, &gll_, &gns_}; }
   [[nodiscard]] Status status_now() const;
@@ -114,10 +113,6 @@ class FixReader {
   Talkers talkers_;
   std::optional<Gga> held_;     // for the awaited talker
   double time_ = -1.0;          // of the last GGA
-  double heard_time_ = -1.0;    // of the last sentence that has one
-  double gsa_time_ = -1.0;      // of the last one before GSA
-  bool gsa_answers_ = false;    // GSA came while the epoch waited for it
-  bool gsa_first_ = false;      // a sentence of this epoch came before its GSA, and both before GGA
   double grain_ = 0.0;          // deg, of the last digit of the position in GGA
   double dilution_ = 0.0;       // of the last GSA
   int dimensions_ = 0;          // best GSA since the last GGA: 0 none heard, 1 no fix, 2, 3
