@@ -313,7 +313,6 @@ class MutatedRequests : public testing::Test {
     end = true;
     for (auto& thread : beside) thread.join();
     oracle.finish();
-    static_cast<void>(daemon.ask("component.start", {{"components", {"stood"}}}));
 
     std::printf(
         "%lu lines sent, %lu answers, %lu rounds of them late, %lu connections closed; %d changes; "
@@ -362,7 +361,7 @@ TEST_F(MutatedRequests, LeaveNothingBehindAndCostNoRelease) {
       << entries(process, "task") << " threads, before " << threads;
   Json status;
   EXPECT_TRUE(eventually([&] {
-    static_cast<void>(daemon.ask("component.start", {{"components", {"a", "b", "c", "d"}}}));
+    static_cast<void>(daemon.ask("component.start", {{"all", true}}));
     status = daemon.ask("status.get");
     return std::ranges::all_of(status["components"],
                                [](const Json& row) { return row["state"] == "running"; });
