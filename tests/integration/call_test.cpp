@@ -37,8 +37,8 @@ TEST(CallFromTheShell, TakesNoNumberThatIsNone) {
   const auto refused =
       daemon.ask("service.call", {{"service", "signal.write"}, {"arguments", {"nan"}}});
 
-  EXPECT_EQ(refused["data"]["id"], "value_out_of_range") << refused;
-  EXPECT_EQ(refused["data"]["at"], "signal.write") << refused;
+  EXPECT_EQ(refused["data"]["name"], "invalid_value") << refused;
+  EXPECT_EQ(refused["data"]["where"], "signal.write") << refused;
 }
 
 TEST(CallFromTheShell, FiresAnEvent) {

@@ -229,7 +229,7 @@ void Stop::make_safe_early() {
   for (const auto& commit : commits_) {
     for (Deployed* silent : commit->silent()) {
       if (silent->component == nullptr || !late_.insert(silent).second) continue;
-      write_safe_values_on_behalf(*silent->component->bundle());
+      write_short_safe_values_on_behalf(*silent->component->bundle());
     }
   }
 }

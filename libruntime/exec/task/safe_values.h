@@ -8,6 +8,8 @@
 #include "rt/thread/deadline.h"
 
 #include <mauve/host/component.h>
+#include <mauve/host/resource.h>
+#include <mauve/service.h>
 #include <mauve/shell.h>
 
 namespace mauve::exec {
@@ -34,6 +36,16 @@ inline void write_safe_values(const Bundle& bundle, bool by_owner,
 inline void write_safe_values_on_behalf(const Bundle& bundle) {
   const rt::Deadline deadline{std::chrono::milliseconds(200)};
   write_safe_values(bundle, false, deadline.watched());
+}
+
+/// [control] Those among them that end by themselves: resources whose lock is held for some stores
+/// only, and that run no code of a plugin.
+inline void write_short_safe_values_on_behalf(const Bundle& bundle) {
+  for (const PortBase* port : bundle.shell->ports()) {
+    const Binding* binding = (*bundle.bindings)[port->index()].get();
+    const bool is_short = binding != nullptr && !binding->service().resource().lock().timed();
+    if (is_short) write_quietly(*port, *binding, false);
+  }
 }
 
 }  // namespace mauve::exec
