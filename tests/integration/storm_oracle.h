@@ -57,7 +57,7 @@ class StormOracle {
     auto& stamp = stamps_[value];
     stamp = {outcome, ++now_, generation};
   }
-  /// What an answer says about a generation.
+  /// The words of an answer about a generation.
   struct Made {
     std::uint64_t generation = 0;
     std::string method;

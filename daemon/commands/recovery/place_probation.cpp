@@ -194,23 +194,20 @@ struct Verdict {
 /// A value of the new core that a port did not let out, told as a failure of the core.
 std::optional<Incident> implausible_since(const ComponentBase& component,
                                           const ComponentStatus& status, const FailureMark& mark) {
-  const bool counts_anew = status.implausible < mark.implausible;  // the ports are new
-  const auto refused = counts_anew ? status.implausible : status.implausible - mark.implausible;
-  if (refused == 0 || mark.hands_over_implausible) {
+  const auto before = status.implausible < mark.implausible ? 0 : mark.implausible;  // new ports: 0
+  if (status.implausible == before || mark.hands_over_implausible) {
     return std::nullopt;
   }
-  Incident incident;
-  incident.time = MonotonicClock().now();
-  incident.cause = to_string(exec::Cause::implausible);
-  for (const auto* port : component.shell().ports()) {
-    if (incident.text.empty() && port->implausible().of_core > 0) {
-      incident.text = port->name();
-    }
-  }
-  incident.core = status.core;
-  incident.state = status.fsm_state;
-  incident.job = status.releases;
-  return incident;
+  const auto& ports = component.shell().ports();
+  const auto port = std::ranges::find_if(
+      ports, [](const PortBase* one) { return one->implausible().of_core > 0; });
+  return Incident{MonotonicClock().now(),
+                  std::string(to_string(exec::Cause::implausible)),
+                  std::string(port == ports.end() ? "" : (*port)->name()),
+                  status.core,
+                  status.fsm_state,
+                  status.releases,
+                  {}};
 }
 
 Verdict judge(const Running& running, const PlaceProbation& place) {

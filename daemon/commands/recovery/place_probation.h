@@ -26,7 +26,7 @@ namespace mauve::daemon {
 struct Running;
 struct Call;
 
-/// What a component had done before its core changed. One that is faulted stays so until it is
+/// The past of a component before its core changed. One that is faulted stays so until it is
 /// started, with any core, so its failure is not one of the new core.
 struct FailureMark {
   std::string component;

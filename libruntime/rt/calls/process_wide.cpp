@@ -74,7 +74,7 @@ bool is_other_action(int signal, __sighandler_t handler) {
   return in_library_sigaction.find()(signal, nullptr, &now) == 0 && now.sa_handler != handler;
 }
 
-/// Whoever waits for these takes the order to end from mauved.
+/// A thread that waits for these takes the order to end from mauved.
 bool has_end_of_mauved(const sigset_t* set) {
   return set != nullptr && (sigismember(set, SIGTERM) == 1 || sigismember(set, SIGINT) == 1 ||
                             sigismember(set, SIGHUP) == 1);

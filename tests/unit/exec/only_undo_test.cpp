@@ -200,7 +200,7 @@ TEST_F(RuleBesideAChangeOfRules, DoesNotWaitForItsConfirmation) {
   EXPECT_EQ(deployer.probations().size(), 2u);
 }
 
-TEST_F(RuleBesideAChangeOfRules, LeavesTheWayBackOfItsNewCore) {
+TEST_F(RuleBesideAChangeOfRules, LeavesTheRollbackOfItsNewCore) {
   ASSERT_TRUE(deployer.apply(of_left_with_rules({})));
   ASSERT_TRUE(deployer.apply(of_right_by_rule()));
 
