@@ -177,6 +177,19 @@ TEST(UbxPvt, SaysWhatTheWriterWrote) {
   }
 }
 
+/// Some receivers send it on two ports of one line, or on demand too.
+TEST(UbxPvt, OfAnEpochThatComesTwiceIsOneFix) {
+  GnssFix next = kFix;
+  next.time += 1.0;
+  Line line;
+
+  line.send(pvt(kFix) + pvt(kFix) + pvt(next) + pvt(next));
+
+  EXPECT_EQ(line.messages, 4);
+  EXPECT_EQ(line.malformed, 0);
+  EXPECT_EQ(line.fixes.size(), 2U);
+}
+
 TEST(UbxPvt, ReadsTheOffsetsOfTheProtocolDescription) {
   // Written by hand, not by our writer: 12:35:19 + 0.25 s, 3D, 8 satellites, 48.1173 N, 11.5167 E,
   // 545.4 m above the sea, PDOP 1.57; protocol 14, with 84 bytes.
