@@ -42,6 +42,14 @@ class UserStop : public Generations {
     std::this_thread::sleep_for(std::chrono::milliseconds(60));
     return state_of(name) == "stopped" && daemon->component(name)["releases"] == before;
   }
+  /// A change that starts `second`, which stands, and waits for its confirmation.
+  void start_on_probation() {
+    const auto started = daemon->ask(
+        "change.apply",
+        steps({{{"start", "second"}}, {{"set", "first.core.gain"}, {"value", 3.0}}}, "1h"));
+    ASSERT_EQ(started["state"], "applied") << started;
+    EXPECT_EQ(state_of("second"), "running");
+  }
   Json apply_file(const std::string& text, bool dry_run = false) {
     return daemon->ask("architecture.apply", {{"text", text}, {"dry_run", dry_run}});
   }

@@ -230,11 +230,7 @@ TEST_F(UserStop, EndsWithStepsOfAUserThatStartIt) {
 TEST_F(UserStop, StandsAgainWhenTheStartThatEndedItIsUndone) {
   begin();
   ASSERT_EQ(daemon->ask("component.stop", kSecondOnly)["saved"], true);
-  const auto started = daemon->ask(
-      "change.apply",
-      steps({{{"start", "second"}}, {{"set", "first.core.gain"}, {"value", 3.0}}}, "1h"));
-  ASSERT_EQ(started["state"], "applied") << started;
-  EXPECT_EQ(state_of("second"), "running");
+  ASSERT_NO_FATAL_FAILURE(start_on_probation());
 
   ASSERT_EQ(daemon->ask("change.undo")["state"], "applied");
 
@@ -249,11 +245,7 @@ TEST_F(UserStop, StandsAgainWhenTheStartThatEndedItIsUndone) {
 TEST_F(UserStop, StandsAgainWhenMauvedIsKilledBeforeTheStartThatEndedItIsConfirmed) {
   begin();
   ASSERT_EQ(daemon->ask("component.stop", kSecondOnly)["saved"], true);
-  const auto started = daemon->ask(
-      "change.apply",
-      steps({{{"start", "second"}}, {{"set", "first.core.gain"}, {"value", 3.0}}}, "1h"));
-  ASSERT_EQ(started["state"], "applied") << started;
-  EXPECT_EQ(state_of("second"), "running");
+  ASSERT_NO_FATAL_FAILURE(start_on_probation());
 
   crash(*daemon);
   daemon->start();
@@ -266,10 +258,7 @@ TEST_F(UserStop, StandsAgainWhenMauvedIsKilledBeforeTheStartThatEndedItIsConfirm
 TEST_F(UserStop, IsOverWhenTheStartThatEndedItIsConfirmed) {
   begin();
   ASSERT_EQ(daemon->ask("component.stop", kSecondOnly)["saved"], true);
-  const auto started = daemon->ask(
-      "change.apply",
-      steps({{{"start", "second"}}, {{"set", "first.core.gain"}, {"value", 3.0}}}, "1h"));
-  ASSERT_EQ(started["state"], "applied") << started;
+  ASSERT_NO_FATAL_FAILURE(start_on_probation());
   ASSERT_EQ(daemon->ask("change.confirm")["saved"], true);
 
   crash(*daemon);

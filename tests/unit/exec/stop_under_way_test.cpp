@@ -64,7 +64,7 @@ struct Held : ramp::Up {
   }
 };
 
-/// Shows what it reads.
+/// Shows the value that it reads.
 struct Driver : ramp::Up {
   static std::atomic<double>& seen() {
     static std::atomic<double> value{0};
