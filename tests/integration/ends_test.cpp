@@ -5,14 +5,13 @@
 // MAUVE_ENDS_LOAD=1 beside ordinary threads that want every CPU.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <poll.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <mutex>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -21,6 +20,7 @@
 #include "rt/thread/thread.h"
 #include "support/daemon_process.h"
 #include "support/disturbance.h"
+#include "support/fake_base.h"
 #include "support/guarded.h"
 #include "support/memory_group.h"
 
@@ -62,45 +62,8 @@ int times() {
   return said == nullptr ? 1 : std::max(1, std::atoi(said));
 }
 
-/// Notes when each frame came, before all that this machine has to do otherwise.
-class Witness {
- public:
-  explicit Witness(Outlet& base) : base_(base) {
-    EXPECT_TRUE(thread_.start({"witness", 98, {}, 64 * 1024}, [this] { run(); }));
-  }
-  ~Witness() {
-    quit_ = true;
-    thread_.join();
-  }
-  /// When the base got the order to stand, and nothing else since; 0: it drives.
-  [[nodiscard]] Instant stands_since() const { return stands_since_; }
-  [[nodiscard]] std::uint64_t drives() const { return drives_; }
-
- private:
-  void run() {
-    std::size_t seen = 0;
-    while (!quit_) {
-      pollfd come{base_.descriptor(), POLLIN, 0};
-      poll(&come, 1, 5);
-      const std::string& all = base_.bytes();
-      const Instant now = MonotonicClock().now();
-      for (auto at = all.find(kDrive, seen); at != std::string::npos && at + 5 <= all.size();
-           at = all.find(kDrive, seen)) {
-        const bool stand = all.compare(at, 5, kStand) == 0;
-        if (!stand) ++drives_;
-        if (!stand) stands_since_ = 0;
-        if (stand && stands_since_ == 0) stands_since_ = now;
-        seen = at + 5;
-      }
-    }
-  }
-
-  Outlet& base_;
-  std::atomic<Instant> stands_since_{0};
-  std::atomic<std::uint64_t> drives_{0};
-  std::atomic<bool> quit_{false};
-  rt::Thread thread_;
-};
+/// Above all that this machine has to do otherwise: it notes when each order came.
+constexpr int kAboveAll = 98;
 
 /// A thread of another program, above all components, on the CPU of the driver. On all CPUs it
 /// would keep the kernel from handing the bytes of the pseudo-terminal over, which it leaves to an
@@ -147,7 +110,7 @@ void bring_about(const End& end, const DaemonProcess& daemon, const TempDir& pla
 /// Milliseconds until it stood, for good; nothing: it did not.
 std::optional<double> end_one(const End& end, const MemoryGroup& group) {
   const TempDir place;
-  Outlet base;
+  FakeBase base(kAboveAll);
   Json file = guarded_architecture(base.path());
   file["plugins"].push_back("ends");
   file["components"]["cruise"]["type"] = "ends/ender";
@@ -157,9 +120,8 @@ std::optional<double> end_one(const End& end, const MemoryGroup& group) {
       {"--realtime", "require", "--guardian", "require", "--plugin-dir", MAUVE_ENDS_DIR});
   constexpr std::chrono::minutes kToStart{2};  // beside a load; the ends are judged, not the start
   EXPECT_TRUE(daemon.up(kToStart)) << daemon.errors();
-  const Witness witness(base);
   Foreign foreign;
-  EXPECT_TRUE(eventually([&] { return witness.drives() > 3; })) << daemon.errors();
+  EXPECT_TRUE(eventually([&] { return base.drives() > 3; })) << daemon.errors();
 
   if (is_out_of_memory(end)) {
     EXPECT_TRUE(group.take(daemon.process().id(), 64 << 20));
@@ -178,11 +140,11 @@ std::optional<double> end_one(const End& end, const MemoryGroup& group) {
   }
   const bool stood = eventually(
       [&] {
-        const Instant since = witness.stands_since();
+        const Instant since = base.stands_since();
         return since != 0 && MonotonicClock().now() - since > Duration{300ms}.count();
       },
       std::chrono::seconds(4));
-  const Instant since = witness.stands_since();
+  const Instant since = base.stands_since();
   daemon.process().signal(SIGKILL);
   if (!stood || since == 0) {
     ADD_FAILURE() << end.name << ": it drives on\n" << daemon.errors();
@@ -192,7 +154,8 @@ std::optional<double> end_one(const End& end, const MemoryGroup& group) {
 }
 
 TEST(NoEnd, LeavesAnOutputLive) {
-  if (!rt::may_use_fifo(98)) GTEST_SKIP() << "NOT TESTED: silence is watched in real time only";
+  if (!rt::may_use_fifo(kAboveAll))
+    GTEST_SKIP() << "NOT TESTED: silence is watched in real time only";
   if (!rt::kGuardsFaults) GTEST_SKIP() << "NOT TESTED: a sanitizer handles faults in its own way";
   std::signal(SIGQUIT, SIG_DFL);  // a shell lets its background jobs ignore it, and so mauved
   std::optional<Load> load;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "support/daemon_process.h"
+#include "support/fake_base.h"
 #include "support/guarded.h"
 
 namespace mauve::test {
@@ -24,16 +25,18 @@ class GuardedBase : public testing::Test {
     daemon_.emplace(file, std::move(more));
     ASSERT_TRUE(daemon_->up()) << daemon_->errors();
   }
-  /// It got an order to drive since this was asked last.
-  [[nodiscard]] bool drives() {
-    return eventually([&] { return has_driven(); });
+  /// It gets an order to drive from now on.
+  [[nodiscard]] bool drives() const { return drives(base_); }
+  [[nodiscard]] static bool drives(const FakeBase& base) {
+    const auto before = base.drives();
+    return eventually([&] { return base.drives() > before; });
   }
-  /// It gets an order to drive from now on. Each component that stands is started: a guardian that
-  /// gets no processor for 60 ms is replaced, and where one is required, all components stop then.
-  [[nodiscard]] bool drives_when_started() {
-    seen_ = base_.bytes().size();
+  /// The same. Each component that stands is started: a guardian that gets no processor for 60 ms
+  /// is replaced, and where one is required, all components stop then.
+  [[nodiscard]] bool drives_when_started() const {
+    const auto before = base_.drives();
     return eventually([&] {
-      if (has_driven()) return true;
+      if (base_.drives() > before) return true;
       const Json status = daemon_->ask({"status"});
       if (!status.is_object()) return false;
       for (const Json& one : status.value("components", Json::array())) {
@@ -47,10 +50,7 @@ class GuardedBase : public testing::Test {
   }
   /// Its last order is to stand.
   [[nodiscard]] bool stands() {
-    return eventually([&] {
-      const std::string& all = base_.bytes();
-      return all.size() >= 5 && all.compare(all.size() - 5, 5, kStand) == 0;
-    });
+    return eventually([&] { return base_.bytes().ends_with(kStand); });
   }
   [[nodiscard]] Json guardian() const {
     const Json status = daemon_->ask({"status"});
@@ -68,21 +68,8 @@ class GuardedBase : public testing::Test {
   }
 
   TempDir place_;
-  Outlet base_;
-  std::size_t seen_ = 0;
+  FakeBase base_;
   std::optional<DaemonProcess> daemon_;
-
- private:
-  [[nodiscard]] bool has_driven() {
-    const std::string& all = base_.bytes();
-    bool driven = false;
-    for (auto at = all.find(kDrive, seen_); at != std::string::npos && at + 5 <= all.size();
-         at = all.find(kDrive, at + 5)) {
-      driven = driven || all.compare(at, 5, kStand) != 0;
-      seen_ = at + 5;
-    }
-    return driven;
-  }
 };
 
 }  // namespace mauve::test

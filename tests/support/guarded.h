@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A base on a line of the test, and a component that orders it to drive.
+/// A component that orders a base on a line of the test to drive.
 #pragma once
 
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "support/outlet.h"
-
 namespace mauve::test {
-
-/// The order to drive, and the whole of the order to stand.
-inline constexpr char kDrive = '\x91';
-inline const std::string kStand("\x91\0\0\0\0", 5);
 
 inline nlohmann::json guarded_architecture(const std::string& device) {
   const nlohmann::json cruise = {
