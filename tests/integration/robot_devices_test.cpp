@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <mauve/serial/serial_port.h>
 
@@ -163,11 +164,22 @@ class BaseInHand : public testing::Test {
     for (std::size_t i = 0; i < count; ++i) {
       if (const auto command = heard_.push(bytes[i])) {
         begun_ += command->opcode == create::Opcode::stream ? 1 : 0;
-        if (command->opcode == create::Opcode::drive_direct) last_ = *command;
+        if (command->opcode == create::Opcode::drive_direct) {
+          last_ = *command;
+          driven_ += command->left != 0 || command->right != 0 ? 1 : 0;
+        }
       }
     }
     if (silent_) return;
+    if (!packets_.empty()) return send(packets_);
     const create::Frame frame = create::frame_of(report_);
+    line_.send({frame.data(), frame.size()});
+  }
+  /// A frame of these packets.
+  void send(std::vector<std::uint8_t> data) {
+    data.insert(data.begin(), {19, static_cast<std::uint8_t>(data.size())});
+    data.push_back(create::checksum(data));
+    const std::string frame(data.begin(), data.end());
     line_.send({frame.data(), frame.size()});
   }
   /// Until the base has heard these wheel speeds, mm/s.
@@ -185,7 +197,9 @@ class BaseInHand : public testing::Test {
   create::Report report_{0, create::Mode::safe, 100, 100};
   std::optional<create::Command> last_;
   std::optional<rover::Velocity> command_;
+  std::vector<std::uint8_t> packets_;  // of its frames, instead of report_
   int begun_ = 0;
+  int driven_ = 0;  // commands with a speed
   bool silent_ = false;
   std::optional<System> system_;
 };
@@ -247,6 +261,74 @@ TEST_F(BaseInHand, IsBegunAnewWhenItFallsSilentAndOpenedAgainWhenItIsBack) {
 
   EXPECT_TRUE(system_->reaches("base", "reopened", 1));
   EXPECT_TRUE(system_->goes_on("base", "frames", 5));
+}
+
+TEST_F(BaseInHand, StandsUntilItHasReported) {
+  silent_ = true;
+  ASSERT_TRUE(system_->deployed());
+  command_ = rover::Velocity{0.2, 0.0};
+
+  EXPECT_TRUE(system_->run_until([&] {
+    system_->write("safe_command", *command_);
+    return system_->observe("base", "timeouts") >= 3.0;
+  }));
+  EXPECT_GE(begun_, 3);
+  EXPECT_EQ(driven_, 0);
+
+  silent_ = false;
+  EXPECT_TRUE(hears(200, 200));
+}
+
+TEST_F(BaseInHand, IsReadThoughItSendsMorePacketsInAnotherOrder) {
+  packets_ = {44, 0, 100, 8, 0, 43, 0, 100, 35, 2, 7, 0, 200};
+  ASSERT_TRUE(system_->deployed());
+  command_ = rover::Velocity{0.2, 0.0};
+  EXPECT_TRUE(hears(200, 200));
+
+  EXPECT_TRUE(system_->goes_on("base", "frames", 100));
+  EXPECT_EQ(system_->observe("base", "timeouts"), 0.0);
+  EXPECT_EQ(system_->observe("base", "bad_frames"), 0.0);
+  EXPECT_EQ(system_->observe("base", "silent"), 0.0);
+  EXPECT_GT(system_->observe("base", "unknown_packets"), 100.0);
+}
+
+TEST_F(BaseInHand, StandsAndSaysSoWhileItsFramesLackAPacket) {
+  ASSERT_TRUE(system_->deployed());
+  command_ = rover::Velocity{0.2, 0.0};
+  EXPECT_TRUE(hears(200, 200));
+
+  packets_ = {7, 0, 35, 2, 43, 0, 100};
+  EXPECT_TRUE(hears(0, 0));
+  const int driven = driven_;
+  EXPECT_TRUE(system_->run_until([&] {
+    system_->write("safe_command", *command_);
+    return system_->observe("base", "silent") == 1.0;
+  }));
+  EXPECT_EQ(driven_, driven) << "begun anew, it waits for a report";
+  EXPECT_GE(system_->observe("base", "timeouts"), 5.0);
+  EXPECT_EQ(system_->reason("base", "silent"), "its base's frames lack packet 44, which is needed");
+  EXPECT_GT(system_->observe("base", "lacking_frames"), 100.0);
+  EXPECT_EQ(system_->observe("base", "bad_frames"), 0.0);
+
+  packets_.clear();
+  EXPECT_TRUE(hears(200, 200));
+  EXPECT_TRUE(system_->run_until([&] { return system_->observe("base", "silent") == 0.0; }));
+}
+
+TEST_F(BaseInHand, NamesAnUnreadableStreamAndADeadOne) {
+  packets_ = {7, 0, 35};  // no frame: a packet is cut
+  ASSERT_TRUE(system_->deployed());
+  const auto is_silent = [&] { return system_->observe("base", "silent") == 1.0; };
+
+  EXPECT_TRUE(system_->run_until(is_silent));
+  EXPECT_EQ(system_->reason("base", "silent"),
+            "its base sends bytes, and no undamaged frame: look at `baud`");
+  packets_.clear();
+  EXPECT_TRUE(system_->run_until([&] { return !is_silent(); }));
+
+  silent_ = true;
+  EXPECT_TRUE(system_->run_until(is_silent));
+  EXPECT_EQ(system_->reason("base", "silent"), "its base sends nothing");
 }
 
 TEST_F(BaseInHand, IsWaitedForWhenItIsNotThereAtTheStart) {

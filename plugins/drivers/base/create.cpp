@@ -14,7 +14,8 @@
 /// there the base stops by itself and obeys no more (`mode` 1): it is armed again by `mauvectl
 /// stop` and `start`, not before. The warning `disobeys` lasts meanwhile, as it does when somebody
 /// presses its button or docks it. A base that is silent for `answer_timeout` is begun anew, which
-/// stops it.
+/// stops it, and stands until it reports. Packets that were not asked for, and another order of
+/// packets, do no harm; a frame without one that is needed reports nothing.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -37,10 +38,11 @@ struct BaseLine {
   mauve::serial::LineBytes bytes;
   create::ReportReader reports;
   WheelOdometry wheels;
-  bool begun = false;  // the base may be driving
+  bool begun = false;    // the base may be driving
+  bool answers = false;  // it has reported since it was begun
 
   /// Opaque to tools; raise the revision when anything in it changes.
-  static constexpr std::string_view type_name = "base_line/3";
+  static constexpr std::string_view type_name = "base_line/4";
   static constexpr auto fields() { return std::tuple{}; }
 };
 
@@ -61,6 +63,8 @@ class CreateOi final : public BaseCore {
       *this, "answer_timeout", 500ms, "silent for so long: begin anew", {.min = 1ms, .max = {}}};
   Counter frames{*this, "frames", 0, "undamaged"};
   Counter bad_frames{*this, "bad_frames", 0, "damaged ones, skipped"};
+  Counter lacking_frames{*this, "lacking_frames", 0, "undamaged, without packet 7, 35, 43 or 44"};
+  Counter unknown_packets{*this, "unknown_packets", 0, "of numbers that are not known here"};
   Counter jumps{*this, "jumps", 0, "of the counts, discarded: the base began anew"};
   Counter timeouts{*this, "timeouts", 0, "times it fell silent"};
   Counter lost_commands{*this, "lost_commands", 0, "times there was none any more"};
@@ -86,6 +90,7 @@ class CreateOi final : public BaseCore {
     heard_ = begun_ = mauve::job_time();
     silent_ = false;
     state->begun = true;
+    state->answers = false;
     line_.send(create::begin_text());
   }
 
@@ -95,11 +100,13 @@ class CreateOi final : public BaseCore {
     if (read_reports(now)) {
       publish(now);
     } else {
-      silence.look("its base sends no reports that can be used");
+      look_for_silence();
     }
-    send_speeds(wheel_speeds(wanted(), wheels));
     silent_ = now - heard_ >= answer_timeout.get().count();
     if (silent_) ++timeouts;
+    const Velocity command = wanted();
+    const bool answers = state->answers && !silent_;
+    send_speeds(answers ? wheel_speeds(command, wheels) : WheelSpeeds{});
   }
   bool silent() override { return silent_; }
 
@@ -111,35 +118,67 @@ class CreateOi final : public BaseCore {
 
   /// All that are there; false when there is none.
   bool read_reports(mauve::Instant now) {
+    using Event = create::ReportReader::Event;
     bool any = false;
     char byte = 0;
     while (line_.take(state->bytes, byte)) {
-      switch (state->reports.push(byte)) {
-        case create::ReportReader::Event::report:
-          any = take_report(now) || any;
-          break;
-        case create::ReportReader::Event::bad:
-          count_damaged(bad_frames);
-          ++damaged_;
-          break;
-        case create::ReportReader::Event::none:
-          break;
+      state->reports.push(byte);
+      for (Event event = state->reports.next(); event != Event::none;
+           event = state->reports.next()) {
+        any = use(event, now) || any;
       }
     }
     return any;
   }
 
-  /// The stream is the clock, a damaged frame is a period too. After a gap the clock is ours, less
-  /// the time that a frame may have been under way. False when there is nothing to publish.
+  /// True when there is something to publish.
+  bool use(create::ReportReader::Event event, mauve::Instant now) {
+    last_ = event;
+    if (event == create::ReportReader::Event::bad) {
+      count_damaged(bad_frames);
+      ++missed_;
+      return false;
+    }
+    const create::Packets& packets = state->reports.packets();
+    if (packets.unknown != 0 && rover::worth_reporting(++unknown_packets)) {
+      mauve::log(mauve::LogLevel::warning,
+                 "its base sends packet {}, which is not known here; the rest of its frame is not "
+                 "read ({} so far)",
+                 packets.unknown, unknown_packets.get());
+    }
+    if (event == create::ReportReader::Event::report) return take_report(now);
+    ++lacking_frames;
+    ++missed_;
+    return false;
+  }
+
+  /// Why nothing was published.
+  void look_for_silence() {
+    using Event = create::ReportReader::Event;
+    if (line_.received == received_) return silence.look("its base sends nothing");
+    if (last_ == Event::bad) {
+      return silence.look("its base sends bytes, and no undamaged frame: look at `baud`");
+    }
+    if (last_ == Event::lacking) {
+      return silence.look("its base's frames lack packet {}, which is needed",
+                          state->reports.packets().lacks);
+    }
+    silence.look("its base sends no reports that can be used");
+  }
+
+  /// The stream is the clock, a frame that is not used is a period too. After a gap the clock is
+  /// ours, less the time that a frame may have been under way. False when there is nothing to
+  /// publish.
   bool take_report(mauve::Instant now) {
     constexpr double kUnderWay = 0.05;
     const create::Report& report = state->reports.report();
-    const double streamed = (damaged_ + 1) * create::kStreamPeriod;
+    const double streamed = (missed_ + 1) * create::kStreamPeriod;
     const double passed = mauve::to_seconds(now - heard_) - kUnderWay;
     const auto step =
         state->wheels.advance(report.left, report.right, std::max(streamed, passed), wheels);
-    damaged_ = 0;
+    missed_ = 0;
     heard_ = now;
+    state->answers = true;
     ++frames;
     if (step == WheelOdometry::Step::jump) ++jumps;
     mode = static_cast<int>(report.mode);
@@ -158,6 +197,8 @@ class CreateOi final : public BaseCore {
     odometry.time = mauve::to_seconds(now) - state->wheels.lag();
     shell().odometry.write(odometry);
     silence.ended();
+    received_ = line_.received;
+    last_ = create::ReportReader::Event::none;
     shell().pose.write({odometry.x, odometry.y, odometry.heading});
     shell().twist.write({odometry.time, odometry.linear, odometry.angular});
   }
@@ -190,9 +231,11 @@ class CreateOi final : public BaseCore {
 
   static constexpr std::int64_t kUntilItObeys = 500'000'000;  // ns after it was begun
 
-  mauve::Instant heard_ = 0;  // begin of the job that read the last report
-  mauve::Instant begun_ = 0;  // the base, by this core
-  int damaged_ = 0;           // frames since that report
+  mauve::Instant heard_ = 0;            // begin of the job that read the last report
+  mauve::Instant begun_ = 0;            // the base, by this core
+  int missed_ = 0;                      // frames since that report
+  std::uint64_t received_ = 0;          // bytes, when a value was published last
+  create::ReportReader::Event last_{};  // since then
   bool followed_ = false;
   bool silent_ = false;
 };

@@ -43,6 +43,8 @@ struct Report {
 
 /// Bytes of one such frame.
 inline constexpr std::size_t kFrame = 13;
+/// Bytes of packets in a frame, at most: what 115,200 baud carries in a period of the stream.
+inline constexpr std::size_t kMostData = 169;
 using Frame = std::array<char, kFrame>;
 
 /// The byte that ends a frame. [rt]
@@ -54,27 +56,51 @@ using Frame = std::array<char, kFrame>;
 /// Drive Direct, mm/s; the base takes -500 to 500. [rt]
 [[nodiscard]] std::array<char, 5> drive_text(int left, int right);
 
-/// Finds frames in a stream of bytes. After a damaged one it looks on at the next byte, so that a
-/// length or a 19 among the data never hides a good frame. All of it is [rt].
+/// The content of a frame. Other packets than ours may stand between them, in any order. A
+/// packet whose number is not known here has no known length, so nothing behind it is read.
+struct Packets {
+  Report report;
+  std::uint8_t lacks = 0;    ///< number of the first of ours that was not met; 0: none
+  std::uint8_t unknown = 0;  ///< number of the packet that is not known here; 0: none
+};
+
+/// Nothing: the known packets do not fill these bytes exactly. [rt]
+[[nodiscard]] std::optional<Packets> read_packets(std::span<const std::uint8_t> data);
+
+/// Finds frames in a stream of bytes. After a damaged one it looks on at the next byte. A frame
+/// with all of our packets is found at once wherever it begins, so that a length or a 19 among the
+/// data never hides it. All of it is [rt].
 class ReportReader {
  public:
   enum class Event : std::uint8_t {
-    none,    ///< go on
-    report,  ///< an undamaged frame: see report()
-    bad,     ///< as many bytes as a frame has were no frame, or fewer before the next good one
+    none,     ///< all is looked at: push() the next byte
+    report,   ///< an undamaged frame: see report()
+    lacking,  ///< an undamaged frame without one of our packets: see packets()
+    bad,      ///< as many bytes as a frame has were no frame, or fewer before the next good one
   };
 
-  Event push(char byte);
+  /// Only after next() returned `none`.
+  void push(char byte) { bytes_[size_++] = static_cast<std::uint8_t>(byte); }
+  Event next();
   [[nodiscard]] const Report& report() const { return report_; }
+  /// Of the last undamaged frame.
+  [[nodiscard]] const Packets& packets() const { return packets_; }
 
  private:
-  [[nodiscard]] bool good() const;
-  bool skip();
+  static constexpr std::size_t kAround = 3;  // header, length, checksum
+  static constexpr std::size_t kLongest = kMostData + kAround;
 
-  std::array<std::uint8_t, kFrame> bytes_{};
+  std::optional<std::size_t> complete();
+  [[nodiscard]] bool possible(std::size_t begin) const;
+  bool drop(std::size_t count);
+
+  std::array<std::uint8_t, kLongest> bytes_{};
   std::size_t size_ = 0;
-  std::size_t skipped_ = 1;  // bytes since the last good frame; the first few are a beginning
+  std::size_t length_ = kFrame;  // of the last good frame
+  std::size_t skipped_ = 1;      // bytes since that one; the first few are a beginning
+  std::size_t excused_ = 0;      // of the bytes that wait, those of a frame that lacks a packet
   Report report_;
+  Packets packets_;
 };
 
 /// A command as the base hears it.

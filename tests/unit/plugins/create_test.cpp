@@ -26,6 +26,13 @@ std::string text(const Report& report) {
   return {frame.begin(), frame.end()};
 }
 
+/// A frame of these packets.
+std::string sealed(std::vector<std::uint8_t> data) {
+  data.insert(data.begin(), {19, static_cast<std::uint8_t>(data.size())});
+  data.push_back(checksum(data));
+  return {data.begin(), data.end()};
+}
+
 Report some_report(world::Random& random) {
   const auto number = [&random](double below) {
     return static_cast<unsigned>(random.uniform(0.0, below));
@@ -37,15 +44,19 @@ Report some_report(world::Random& random) {
 struct Heard {
   std::vector<Report> reports;
   int bad = 0;
+  std::vector<int> lacks;
 };
 
 Heard hear(std::string_view bytes) {
   ReportReader reader;
   Heard heard;
   for (const char byte : bytes) {
-    const Event event = reader.push(byte);
-    if (event == Event::report) heard.reports.push_back(reader.report());
-    if (event == Event::bad) ++heard.bad;
+    reader.push(byte);
+    for (Event event = reader.next(); event != Event::none; event = reader.next()) {
+      if (event == Event::report) heard.reports.push_back(reader.report());
+      if (event == Event::bad) ++heard.bad;
+      if (event == Event::lacking) heard.lacks.push_back(reader.packets().lacks);
+    }
   }
   return heard;
 }
@@ -107,6 +118,71 @@ TEST(CreateStream, CallsNoFrameDamagedWhoseModeIsNotKnown) {
     ASSERT_EQ(heard.reports.size(), 1U) << mode;
     EXPECT_EQ(heard.bad, 0);
     EXPECT_EQ(heard.reports[0].obeys(), mode == 2 || mode == 3);
+  }
+}
+
+TEST(CreateStream, ReadsFramesWithOtherPacketsAndAnotherOrder) {
+  const Report sent{1, Mode::safe, 0x1234, 0x5678};
+  std::vector<std::uint8_t> groups{35, 2, 1, 1, 0,   0,    0,    0,    0,
+                                   0,  0, 0, 0, 101, 0x12, 0x34, 0x56, 0x78};
+  groups.resize(groups.size() + 24);
+  const std::vector<std::vector<std::uint8_t>> frames = {
+      groups,
+      {7, 1, 8, 0, 35, 2, 43, 0x12, 0x34, 44, 0x56, 0x78},             // a wall, in the middle
+      {44, 0x56, 0x78, 35, 2, 43, 0x12, 0x34, 19, 0xff, 0x13, 7, 1},   // another order, a way
+      {7, 1, 35, 2, 43, 0x12, 0x34, 44, 0x56, 0x78, 250, 19, 10, 7}};  // one that is not known
+
+  for (const auto& data : frames) {
+    const std::string frame = sealed(data);
+    const Heard heard = hear(frame + frame);
+
+    EXPECT_EQ(heard.reports, (std::vector<Report>{sent, sent})) << data.size();
+    EXPECT_EQ(heard.bad, 0) << data.size();
+  }
+}
+
+TEST(CreateStream, NamesThePacketThatAFrameLacks) {
+  const std::string without = sealed({7, 1, 35, 2, 43, 0x12, 0x34});
+  const std::string hidden = sealed({7, 1, 99, 35, 2, 43, 0x12, 0x34, 44, 0x56, 0x78});
+
+  const Heard heard = hear(without + hidden + without);
+
+  EXPECT_EQ(heard.lacks, (std::vector<int>{44, 35, 44}));
+  EXPECT_TRUE(heard.reports.empty());
+  EXPECT_EQ(heard.bad, 0);
+}
+
+TEST(CreateStream, FindsTheFramesOfABaseThatStandsFromWhereverItBegins) {
+  for (unsigned counts = 0; counts < 0x10000; counts += 7) {
+    const auto left = static_cast<std::uint16_t>(0x130a ^ (counts & 0xfU));
+    const std::string frame = text({0, Mode::full, left, static_cast<std::uint16_t>(counts)});
+    for (std::size_t begin = 1; begin < frame.size(); ++begin) {
+      ASSERT_EQ(hear((frame + frame + frame).substr(begin)).reports.size(), 2U)
+          << counts << " from " << begin;
+    }
+  }
+}
+
+TEST(CreateStream, CallsAFrameDamagedWhosePacketsDoNotFillIt) {
+  const std::string good = text({0, Mode::safe, 100, 200});
+
+  const Heard heard = hear(good + sealed({7, 1, 35, 2, 43, 0x12, 0x34, 44, 0x56}) + good);
+
+  EXPECT_EQ(heard.reports.size(), 2U);
+  EXPECT_EQ(heard.bad, 1);
+}
+
+TEST(CreateStream, ADamagedLengthHidesNoFrameBehindIt) {
+  const std::string good = text({0, Mode::safe, 100, 200});
+  for (int length = 0; length < 256; ++length) {
+    if (length == 10) continue;
+    std::string damaged = good;
+    damaged[1] = static_cast<char>(length);
+
+    const Heard heard = hear(good + damaged + good + good);
+
+    ASSERT_EQ(heard.reports.size(), 3U) << length;
+    EXPECT_EQ(heard.bad, 1) << length;
   }
 }
 
