@@ -140,6 +140,8 @@ TEST_F(GuardedBase, StandsWhenItsDriverLeavesItForAnotherDevice) {
 
   EXPECT_TRUE(stands());
   EXPECT_TRUE(drives(other)) << daemon_->errors();
+  const std::string heard = other.bytes();
+  EXPECT_LT(heard.find(kStream), heard.find(std::string{kDrive, 1})) << "begun before it is driven";
 }
 
 TEST_F(GuardedBase, StandsFromTheStartOnWhenTheUserHadStoppedItsDriver) {

@@ -14,11 +14,14 @@
 /// there the base stops by itself and obeys no more (`mode` 1): it is armed again by `mauvectl
 /// stop` and `start`, not before. The warning `disobeys` lasts meanwhile, as it does when somebody
 /// presses its button or docks it. A base that is silent for `answer_timeout` is begun anew, which
-/// stops it, and stands until it reports. Packets that were not asked for, and another order of
-/// packets, do no harm; a frame without one that is needed reports nothing.
+/// stops it, and stands until it reports. So is the base of another `device`. Packets that were not
+/// asked for, and another order of packets, do no harm; a frame without one that is needed reports
+/// nothing.
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include <mauve/job.h>
@@ -38,8 +41,9 @@ struct BaseLine {
   mauve::serial::LineBytes bytes;
   create::ReportReader reports;
   WheelOdometry wheels;
-  bool begun = false;    // the base may be driving
-  bool answers = false;  // it has reported since it was begun
+  bool begun = false;      // the base may be driving
+  bool answers = false;    // it has reported since it was begun
+  std::size_t device = 0;  // a number of the name of the line that it is on
 
   /// Opaque to tools; raise the revision when anything in it changes.
   static constexpr std::string_view type_name = "base_line/4";
@@ -91,12 +95,18 @@ class CreateOi final : public BaseCore {
     silent_ = false;
     state->begun = true;
     state->answers = false;
+    for (char byte = 0; state->device != device() && line_.take(state->bytes, byte);) {
+      // Reports that another base sent, or this one before anybody had begun it.
+    }
+    state->device = device();
     line_.send(create::begin_text());
   }
 
   void work() override {
     const mauve::Instant now = mauve::job_time();
     if (heard_ == 0) heard_ = now;  // the first job after a change
+    silent_ = state->device != device();
+    if (silent_) return send_speeds({});  // another base, which nobody has begun
     if (read_reports(now)) {
       publish(now);
     } else {
@@ -115,6 +125,8 @@ class CreateOi final : public BaseCore {
     silence.look("its device is not there");
     if (line_.reopen()) begin();
   }
+
+  [[nodiscard]] std::size_t device() const { return std::hash<std::string>{}(line_.device.get()); }
 
   /// All that are there; false when there is none.
   bool read_reports(mauve::Instant now) {
