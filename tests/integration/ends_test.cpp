@@ -23,6 +23,7 @@
 #include "support/fake_base.h"
 #include "support/guarded.h"
 #include "support/memory_group.h"
+#include "support/raw_client.h"
 
 #include <mauve/host/clock.h>
 
@@ -40,11 +41,12 @@ constexpr const char* kOutOfMemory = "out of memory";
 
 constexpr const char* kForeign = "foreign thread";
 constexpr const char* kStop = "mauvectl stop";
+constexpr const char* kStopAsked = "stop on a socket";
 constexpr const char* kStopAll = "mauvectl stop --all";
 constexpr const char* kStopSource = "stop of its source";
 constexpr const char* kGuardianStops = "SIGSTOP of guardian";
 
-constexpr std::array<End, 31> kEnds{{
+constexpr std::array<End, 32> kEnds{{
     {"SIGKILL", SIGKILL}, {"SIGSTOP", SIGSTOP}, {"SIGQUIT", SIGQUIT}, {"SIGUSR1", SIGUSR1},
     {"SIGALRM", SIGALRM}, {"SIGXCPU", SIGXCPU}, {"SIGSEGV", SIGSEGV}, {"SIGABRT", SIGABRT},
     {"SIGTERM", SIGTERM}, {"throw", 0},         {"write nowhere", 0}, {"full stack", 0},
@@ -52,7 +54,7 @@ constexpr std::array<End, 31> kEnds{{
     {"quick_exit", 0},    {"_exit", 0},         {"exit_group", 0},    {"pthread_exit", 0},
     {"exec", 0},          {"close all", 0},     {"loop", 0},          {"loop above all", 0},
     {"sleep", 0},         {kOutOfMemory, 0},    {kForeign, 0},        {kStop, 0},
-    {kStopAll, 0},        {kStopSource, 0},     {kGuardianStops, 0},
+    {kStopAll, 0},        {kStopSource, 0},     {kStopAsked, 0},      {kGuardianStops, 0},
 }};
 
 bool is_out_of_memory(const End& end) { return std::string_view(end.name) == kOutOfMemory; }
@@ -62,12 +64,11 @@ int times() {
   return said == nullptr ? 1 : std::max(1, std::atoi(said));
 }
 
-/// Above all that this machine has to do otherwise: it notes when each order came.
+/// Above all that this machine has to do otherwise: it notes when each order was written.
 constexpr int kAboveAll = 98;
 
 /// A thread of another program, above all components, on the CPU of the driver. On all CPUs it
-/// would keep the kernel from handing the bytes of the pseudo-terminal over, which it leaves to an
-/// ordinary thread of its own.
+/// would keep the kernel from handing over any byte of the pseudo-terminal.
 class Foreign {
  public:
   void begin(int cpu) {
@@ -93,13 +94,21 @@ int cpu_of_driver(const Json& status) {
   return 0;
 }
 
+constexpr std::string_view kAsk =
+    R"({"jsonrpc":"2.0","id":1,"method":"component.stop","params":{"components":["base"]}})"
+    "\n";
+
 /// The act from outside, or the word to the component.
 void bring_about(const End& end, const DaemonProcess& daemon, const TempDir& place,
-                 Foreign& foreign, const Json& status) {
+                 Foreign& foreign, const Json& status, const RawClient& asker) {
   const std::string_view name = end.name;
   const pid_t guardian = status["guardian"]["process"];
   if (name == kGuardianStops) return static_cast<void>(kill(guardian, SIGSTOP));
   if (name == kForeign) return foreign.begin(cpu_of_driver(status));
+  if (name == kStopAsked) {
+    EXPECT_TRUE(asker.send(kAsk));
+    return;
+  }
   if (name == kStop) return static_cast<void>(daemon.ask({"stop", "base"}));
   if (name == kStopAll) return static_cast<void>(daemon.ask({"stop", "--all"}));
   if (name == kStopSource) return static_cast<void>(daemon.ask({"stop", "cruise"}));
@@ -119,9 +128,11 @@ std::optional<double> end_one(const End& end, const MemoryGroup& group) {
       place.write("ends.json", file.dump()),
       {"--realtime", "require", "--guardian", "require", "--plugin-dir", MAUVE_ENDS_DIR});
   constexpr std::chrono::minutes kToStart{2};  // beside a load; the ends are judged, not the start
-  EXPECT_TRUE(daemon.up(kToStart)) << daemon.errors();
   Foreign foreign;
-  EXPECT_TRUE(eventually([&] { return base.drives() > 3; })) << daemon.errors();
+  if (!daemon.up(kToStart) || !eventually([&] { return base.drives() > 3; })) {
+    ADD_FAILURE() << daemon.errors();
+    return {};
+  }
 
   if (is_out_of_memory(end)) {
     EXPECT_TRUE(group.take(daemon.process().id(), 64 << 20));
@@ -132,11 +143,13 @@ std::optional<double> end_one(const End& end, const MemoryGroup& group) {
     ADD_FAILURE() << status << daemon.errors();
     return {};
   }
+  const RawClient asker(daemon.socket());  // mauvectl is a program that has to start first
+  base.measure();
   const Instant begin = MonotonicClock().now();
   if (end.signal != 0) {
     daemon.process().signal(end.signal);
   } else {
-    bring_about(end, daemon, place, foreign, status);
+    bring_about(end, daemon, place, foreign, status, asker);
   }
   const bool stood = eventually(
       [&] {

@@ -13,12 +13,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <mauve/host/clock.h>
 
 #include "rt/thread/thread.h"
 #include "support/outlet.h"
+#include "support/write_times.h"
 
 namespace mauve::test {
 
@@ -28,12 +31,13 @@ inline const std::string kStand("\x91\0\0\0\0", 5);
 /// The order to stream; no speed of these tests has such a byte.
 inline constexpr char kStream = '\x94';
 
-/// Its thread notes when each order came, and then reports: every 15 ms, whatever is asked for, the
-/// bumper, the mode, and the two counts. All of it is [any].
+/// Its thread notes when each order was written or came, and reports: every 15 ms, whatever is
+/// asked for, the bumper, the mode, and the two counts. All of it is [any].
 class FakeBase {
  public:
-  /// Priority 0: an ordinary thread.
+  /// Priority 0: an ordinary thread; else it notes when each order was written.
   explicit FakeBase(int priority = 0) {
+    if (priority > 0) times_.emplace(line_.path(), priority);
     EXPECT_TRUE(thread_.start({"base", priority, {}, 64 * 1024}, [this] { run(); }));
   }
   ~FakeBase() {
@@ -54,6 +58,9 @@ class FakeBase {
   /// When it got the order to stand, and none to drive since; 0: it drives, or got no order.
   [[nodiscard]] Instant stands_since() const { return stands_since_; }
 
+  /// From now on orders may be held up on their way.
+  void measure() { times_->measure(); }
+
   /// The mode that it reports: 2 (safe) at first.
   void report(int mode) { mode_ = mode; }
   /// It reports nothing, whatever is asked for.
@@ -66,7 +73,7 @@ class FakeBase {
     Instant next = 0;
     while (!ends_) {
       pollfd come{line_.descriptor(), POLLIN, 0};
-      poll(&come, 1, 5);
+      if (poll(&come, 1, 5) == 0 && times_) times_->rest();
       listen();
       const Instant now = MonotonicClock().now();
       if (!begun_ || silent_ || now < next) continue;
@@ -79,16 +86,25 @@ class FakeBase {
     const std::scoped_lock lock(mutex_);
     const std::string& all = line_.bytes();
     const Instant now = MonotonicClock().now();
+    std::vector<std::size_t> orders;  // to stream or to drive
     for (; seen_ < all.size(); ++seen_) {
-      begun_ = begun_ || all[seen_] == kStream;
-      if (all[seen_] != kDrive) continue;
-      if (all.size() - seen_ < kStand.size()) return;
-      const bool stand = all.compare(seen_, kStand.size(), kStand) == 0;
-      if (!stand) ++drives_;
-      if (!stand) stands_since_ = 0;
-      if (stand && stands_since_ == 0) stands_since_ = now;
-      seen_ += kStand.size() - 1;
+      if (all[seen_] != kDrive && all[seen_] != kStream) continue;
+      if (all[seen_] == kDrive && all.size() - seen_ < kStand.size()) break;
+      orders.push_back(seen_);
+      if (all[seen_] == kDrive) seen_ += kStand.size() - 1;
     }
+    if (times_) times_->came(orders.size());
+    for (const std::size_t at : orders) {
+      const Instant written = times_ ? times_->next(now) : now;
+      if (all[at] == kStream) begun_ = true;
+      if (all[at] == kDrive) obey(all.compare(at, kStand.size(), kStand) == 0, written);
+    }
+  }
+
+  void obey(bool stand, Instant now) {
+    if (!stand) ++drives_;
+    if (!stand) stands_since_ = 0;
+    if (stand && stands_since_ == 0) stands_since_ = now;
   }
 
   /// A line that nobody reads is full some time: the rest is lost then.
@@ -102,6 +118,7 @@ class FakeBase {
   }
 
   Outlet line_;
+  std::optional<WriteTimes> times_;
   std::mutex mutex_;      // guards the bytes of the line
   std::size_t seen_ = 0;  // of its thread, as is begun_
   bool begun_ = false;

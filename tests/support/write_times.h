@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// When a terminal was written to. The kernel hands the bytes of a pseudo-terminal over in an
+/// ordinary thread of its own, which any urgent thread on its CPU holds up, and with it everybody
+/// who looks for bytes. The device of a robot has the bytes when the call has returned.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/inotify.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <deque>
+#include <mutex>
+#include <string>
+
+#include "rt/thread/thread.h"
+
+#include <mauve/host/clock.h>
+
+namespace mauve::test {
+
+/// Gives each frame that comes the time of the call that wrote it, or a later one, never an earlier
+/// one: a call writes one frame or more, a frame may come before its notice, and frames that were
+/// noticed may be dropped before they come (SafeOrder::drop_unsent).
+class WriteTimes {
+ public:
+  WriteTimes(const std::string& path, int priority)
+      : notices_(inotify_init1(IN_NONBLOCK | IN_CLOEXEC)) {
+    inotify_add_watch(notices_, path.c_str(), IN_MODIFY);
+    EXPECT_TRUE(thread_.start({"writes", priority, {}, 64 * 1024}, [this] { run(); }));
+  }
+  ~WriteTimes() {
+    quit_ = true;
+    thread_.join();
+    close(notices_);
+  }
+  WriteTimes(const WriteTimes&) = delete;
+  WriteTimes& operator=(const WriteTimes&) = delete;
+
+  /// So many frames came at once.
+  void came(std::size_t frames) {
+    const std::lock_guard hold(lock_);
+    while (written_.size() > frames) written_.pop_front();
+  }
+  /// Of the next one of them; `now` where no notice of it is here.
+  [[nodiscard]] Instant next(Instant now) {
+    const std::lock_guard hold(lock_);
+    if (written_.empty()) {
+      ++early_;
+      return now;
+    }
+    const Instant written = written_.front();
+    written_.pop_front();
+    return written;
+  }
+  /// No frame came for a while, and none is held up: all that was noticed has come.
+  void rest() {
+    const std::lock_guard hold(lock_);
+    if (measures_) return;
+    written_.clear();
+    early_ = 0;
+  }
+  /// From now on frames may be held up.
+  void measure() { measures_ = true; }
+
+ private:
+  void run() {
+    std::array<char, 4096> some{};
+    while (!quit_) {
+      pollfd come{notices_, POLLIN, 0};
+      if (poll(&come, 1, 5) <= 0 || read(notices_, some.data(), some.size()) <= 0) continue;
+      const Instant now = MonotonicClock().now();
+      const std::lock_guard hold(lock_);
+      if (early_ == 0) written_.push_back(now);
+      if (early_ > 0) --early_;  // its frame came before it
+    }
+  }
+
+  int notices_;
+  std::mutex lock_;
+  std::deque<Instant> written_;
+  std::size_t early_ = 0;
+  std::atomic<bool> measures_{false};
+  std::atomic<bool> quit_{false};
+  rt::Thread thread_;
+};
+
+}  // namespace mauve::test
