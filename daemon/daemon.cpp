@@ -23,6 +23,7 @@
 #include "monitor/service_status.h"
 #include "notify.h"
 #include "rt/thread/crash_handler.h"
+#include "rt/thread/thread.h"
 #include "start_warnings.h"
 
 namespace mauve::daemon {
@@ -248,7 +249,7 @@ Status Daemon::serve() {
   recorder_.start(*running_);
   const auto state = state_line(*running_);
   supervisor_.start(*running_);
-  stopper_.start(*deployer_);
+  stopper_.start(*deployer_, options_.urgency(), [this](int p) { control_.set_priority(p); });
   control_.start();
   guardian_.serve(*running_);
   judge_.start(judge_command(options_), options_.prepare_within);
@@ -260,6 +261,7 @@ Status Daemon::serve() {
   }
   endpoint_.reset();
   server_->start();
+  server_->post([priority = options_.urgency()] { rt::raise_this_thread(priority); });
   log_.write(Event::daemon_running, {{"text", state}});
   notify::ready(state);
   return ok();

@@ -31,6 +31,9 @@ struct Options {
   bool fresh = false;                  ///< start the file, also after a crash
   bool flight_recorder = true;         ///< traces always, and writes recordings by itself
   logging::Level log_level = logging::Level::info;
+
+  /// SCHED_FIFO of the threads on the way to safe values, below all components; 0: ordinary.
+  [[nodiscard]] int urgency() const { return realtime == Realtime::off ? 0 : 1; }
 };
 
 /// The program ends at once: --help, --version, or wrong use.

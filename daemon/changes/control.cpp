@@ -11,6 +11,7 @@
 #include "mauve/host/change.h"
 #include "rt/process/pulse.h"
 #include "rt/thread/run_guarded.h"
+#include "rt/thread/thread.h"
 #include "rt/time/cpu_time.h"
 
 namespace mauve::daemon {
@@ -86,6 +87,10 @@ bool WorkerThread::post_first(Job job) {
 }
 
 bool WorkerThread::is_this_thread() const { return std::this_thread::get_id() == thread_.get_id(); }
+
+void WorkerThread::set_priority(int priority) {
+  static_cast<void>(rt::give_priority(thread_.native_handle(), priority));
+}
 
 void WorkerThread::await(std::function<bool()> over, Job then) {
   awaited_.push_back({std::move(over), std::move(then)});

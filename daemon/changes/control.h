@@ -44,6 +44,8 @@ class WorkerThread {
   /// The same, also in front of the urgent ones.
   bool post_first(Job job);
   [[nodiscard]] bool is_this_thread() const;
+  /// [any, between start() and stop()] SCHED_FIFO where it is permitted; 0: ordinary.
+  void set_priority(int priority);
   /// [any] When the job under way began; nothing: no job is under way.
   [[nodiscard]] std::optional<std::chrono::steady_clock::time_point> busy_since();
   /// [this thread] Runs `then` once `over` returns true. It is called between other jobs, soon at
@@ -115,6 +117,8 @@ class Control {
   void read(Job job, const Asker& asker = {});
   /// [any] The same, before everything that waits.
   void urgent(Job job);
+  /// [any, between start() and stop()] SCHED_FIFO of [control], where it is permitted; 0: ordinary.
+  void set_priority(int priority) { control_.set_priority(priority); }
   /// [any] Runs on [control] when no other change is under way. False: too many wait already.
   [[nodiscard]] bool change(Change change, const Asker& asker = {});
 

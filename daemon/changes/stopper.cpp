@@ -8,6 +8,7 @@
 #include "base/thread_role.h"
 #include "mauve/host/deployer.h"
 #include "rt/process/pulse.h"
+#include "rt/thread/thread.h"
 
 namespace mauve::daemon {
 
@@ -59,10 +60,13 @@ std::vector<std::string> StopOrder::stopped_directly() const {
   return direct_ != nullptr ? ran() : std::vector<std::string>();
 }
 
-void Stopper::start(Deployer& deployer) {
+void Stopper::start(Deployer& deployer, int priority, std::function<void(int)> give_control) {
   deployer_ = &deployer;
+  priority_ = priority;
+  give_control_ = std::move(give_control);
   thread_ = std::thread([this] {
     begin_thread(ThreadRole::stop);
+    rt::raise_this_thread(priority_);
     run();
   });
 }
@@ -105,7 +109,17 @@ void Stopper::run() {
       new_ones_.clear();
     }
     std::erase_if(orders_, [this](const auto& order) { return look(*order); });
+    hasten_control();
   }
+}
+
+/// Again at each look: the end of a commit takes the priority from [control].
+void Stopper::hasten_control() {
+  if (priority_ == 0 || (orders_.empty() && !hastened_)) {
+    return;
+  }
+  hastened_ = !orders_.empty();
+  give_control_(hastened_ ? priority_ : 0);
 }
 
 /// True: there is nothing more to do for it here.

@@ -69,8 +69,10 @@ class Stopper {
   Stopper(const Stopper&) = delete;
   Stopper& operator=(const Stopper&) = delete;
 
-  /// [main] The deployer outlives stop().
-  void start(Deployer& deployer);
+  /// [main] The deployer outlives stop(). `priority`: SCHED_FIFO of [stop], and of [control] while
+  /// a stop is watched, so that no ordinary thread delays a stop; 0: both are ordinary.
+  /// `give_control` gives it to [control], and is called on [stop].
+  void start(Deployer& deployer, int priority = 0, std::function<void(int)> give_control = {});
   void stop();
   /// [any] Never waits. From now on until its end.
   void watch(std::shared_ptr<StopOrder> order);
@@ -82,13 +84,17 @@ class Stopper {
 
  private:
   void run();
+  void hasten_control();
   [[nodiscard]] bool look(StopOrder& order);
   [[nodiscard]] bool is_held_up(StopOrder& order) const MAUVE_REQUIRES(order.mutex_);
   [[nodiscard]] bool begin_directly(StopOrder& order) MAUVE_REQUIRES(order.mutex_);
 
   logging::Log& log_;
   Deployer* deployer_ = nullptr;
-  Mutex mutex_;  ///< guards the next two; no thread holds it long
+  int priority_ = 0;
+  std::function<void(int)> give_control_;
+  bool hastened_ = false;  ///< [stop]
+  Mutex mutex_;            ///< guards the next two; no thread holds it long
   std::vector<std::shared_ptr<StopOrder>> new_ones_ MAUVE_GUARDED_BY(mutex_);
   bool stopping_ MAUVE_GUARDED_BY(mutex_) = false;
   ConditionVariable wake_;

@@ -70,7 +70,7 @@ GuardedOutputs& GuardedOutputs::of_process() {
   return *all;
 }
 
-Status GuardedOutputs::expect(GuardianUse use, std::function<void()> ring) {
+Status GuardedOutputs::expect(GuardianUse use, std::function<void()> ring, int priority) {
   {
     const MutexLock lock(mutex_);
     keeps_ = true;
@@ -80,7 +80,10 @@ Status GuardedOutputs::expect(GuardianUse use, std::function<void()> ring) {
   }
   sender_ends_ = false;
   if (sender_.running()) return ok();
-  return sender_.start({"mauve-safe", 0, {}, 64 * 1024}, [this] { run_sender(); });
+  return sender_.start({"mauve-safe", 0, {}, 64 * 1024}, [this, priority] {
+    raise_this_thread(priority);
+    run_sender();
+  });
 }
 
 Result<GuardedOutputs::Held> GuardedOutputs::made(const Owner& owner, int descriptor,

@@ -65,9 +65,9 @@ class GuardedOutputs {
   [[nodiscard]] std::vector<std::string> names() const;
 
   // --- Of the thread that has the connection (guardian_link.h).
-  /// From now on orders are kept; `ring` is called for the first one of them. To be ended by
-  /// say_goodbye() or by leave(). [any]
-  Status expect(GuardianUse use, std::function<void()> ring);
+  /// From now on orders are kept; `ring` is called for the first one of them. `priority`:
+  /// SCHED_FIFO of [safe], where it is permitted. To be ended by say_goodbye() or leave(). [any]
+  Status expect(GuardianUse use, std::function<void()> ring, int priority = 0);
   /// The socket of the guardian that was found; -1: there is none.
   void attach(int socket);
   void detach();

@@ -105,13 +105,17 @@ Status GuardianLink::start(GuardianPlan plan, Report report) {
   plan_ = std::move(plan);
   report_ = std::move(report);
   if (plan_.use == GuardianUse::off) {
-    return GuardedOutputs::of_process().expect(GuardianUse::off, nullptr);
+    return GuardedOutputs::of_process().expect(GuardianUse::off, nullptr, plan_.priority);
   }
   bell_ = Descriptor(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   if (!bell_) return system_error("cannot wait for outputs");
-  Status expected = GuardedOutputs::of_process().expect(plan_.use, [this] { ring(); });
+  Status expected = GuardedOutputs::of_process().expect(
+      plan_.use, [this] { ring(); }, plan_.priority);
   if (!expected) return expected;
-  return thread_.start({"mauve-link", 0, {}, 64 * 1024}, [this] { run(); });
+  return thread_.start({"mauve-link", 0, {}, 64 * 1024}, [this] {
+    raise_this_thread(plan_.priority);
+    run();
+  });
 }
 
 void GuardianLink::stop(bool in_order) {

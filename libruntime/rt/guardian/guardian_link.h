@@ -27,6 +27,7 @@ struct GuardianPlan {
   /// none.
   std::vector<std::string> command;
   Duration silence = 60ms;  ///< so long without a beat is an end
+  int priority = 0;         ///< SCHED_FIFO of [link] and [safe], where it is permitted
 };
 
 /// Where this process stands with its guardian.

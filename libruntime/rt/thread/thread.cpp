@@ -174,10 +174,7 @@ bool Thread::keeps(int priority, const std::vector<int>& cpus) const {
 }
 
 Status Thread::set_priority(int priority) {
-  sched_param parameter{};
-  parameter.sched_priority = priority;
-  const int error =
-      pthread_setschedparam(handle_, priority > 0 ? SCHED_FIFO : SCHED_OTHER, &parameter);
+  const int error = give_priority(handle_, priority);
   if (error != 0) return no_fifo(priority, error);
   return ok();
 }
@@ -221,19 +218,26 @@ Status check_cpu(int cpu, const std::string& at) {
                     std::to_string(usable.front()) + " to " + std::to_string(usable.back()));
 }
 
+int give_priority(pthread_t thread, int priority) {
+  sched_param parameter{};
+  parameter.sched_priority = priority;
+  return pthread_setschedparam(thread, priority > 0 ? SCHED_FIFO : SCHED_OTHER, &parameter);
+}
+
+void raise_this_thread(int priority) {
+  if (priority > 0) static_cast<void>(give_priority(pthread_self(), priority));
+}
+
 Boost::Boost(int priority) {
   sched_param before{};
   int policy = SCHED_OTHER;
   pthread_getschedparam(pthread_self(), &policy, &before);
   if (policy != SCHED_OTHER) return;  // a real-time caller keeps its priority
-  sched_param parameter{};
-  parameter.sched_priority = priority;
-  raised_ = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter) == 0;
+  raised_ = give_priority(pthread_self(), priority) == 0;
 }
 
 Boost::~Boost() {
-  const sched_param normal{};
-  if (raised_) pthread_setschedparam(pthread_self(), SCHED_OTHER, &normal);
+  if (raised_) give_priority(pthread_self(), 0);
 }
 
 }  // namespace mauve::rt

@@ -76,6 +76,12 @@ class Thread {
 /// Is `cpu` one of them? `at` is the address in the refusal.
 [[nodiscard]] Status check_cpu(int cpu, const std::string& at);
 
+/// SCHED_FIFO of this priority for a thread of the C++ library, where it is permitted; 0: ordinary.
+/// The error number of the system, or 0. [any]
+int give_priority(pthread_t thread, int priority);
+/// The same for the calling thread until it ends; 0: nothing is asked of the system.
+void raise_this_thread(int priority);
+
 /// Raises the calling thread to SCHED_FIFO for a scope, where permitted.
 class Boost {
  public:

@@ -19,7 +19,10 @@ class StopperTest : public testing::Test {
  protected:
   void SetUp() override {
     ASSERT_TRUE(deployer.deploy());
-    stopper.start(deployer);
+    stopper.start(deployer, 1, [this](int given) {
+      priority = given;
+      if (given == 1) ++hastened;
+    });
   }
   /// The deployer outlives it.
   void TearDown() override { stopper.stop(); }
@@ -46,6 +49,8 @@ class StopperTest : public testing::Test {
   Names run_still{"no report"};
   Names ran;
   std::atomic<int> reports{0};
+  std::atomic<int> priority{-1};  // of [control]
+  std::atomic<int> hastened{0};
 };
 
 TEST_F(StopperTest, CarriesOutAStopThatIsNeverServedAlsoWhileControlDoesOtherThings) {
@@ -110,6 +115,16 @@ TEST_F(StopperTest, NamesTheComponentsThatControlHadParkedBeforeItWasHeldUp) {
   ASSERT_TRUE(test::eventually([&] { return reports == 1; }));
   EXPECT_THAT(ran, ElementsAre("left"));
   EXPECT_THAT(stop->stopped_directly(), ElementsAre("left"));
+}
+
+TEST_F(StopperTest, GivesControlAPriorityWhileAStopIsWatched) {
+  const auto stop = order({"left"});
+
+  stopper.watch(stop);
+  EXPECT_TRUE(test::eventually([&] { return hastened > 0; }));
+  stop->end(deployer);
+
+  EXPECT_TRUE(test::eventually([&] { return priority == 0; }));
 }
 
 /// [stop] looks at all of them many times before it carries out the second one.
