@@ -45,16 +45,14 @@ struct Measured {
   JobCost cost;
 };
 
-void skip_where_system_calls_are_not_counted(const JobCost& cost) {
-  if (!cost.system_calls) GTEST_SKIP() << "SKIPPED: this kernel does not dispatch system calls";
-}
+constexpr const char* kNotCounted = "SKIPPED: this kernel does not dispatch system calls";
 
 TEST(JobCost, OfACoreThatKeepsTheRulesIsNothing) {
   const Measured<Plain> plain;
 
   EXPECT_EQ(plain.cost.heap_calls, 0U);
   EXPECT_EQ(plain.cost.page_faults, 0U);
-  skip_where_system_calls_are_not_counted(plain.cost);
+  if (!plain.cost.system_calls) GTEST_SKIP() << kNotCounted;
   EXPECT_EQ(plain.cost.system_calls, 0U);
 }
 
@@ -63,7 +61,7 @@ TEST(JobCost, CountsHeapCallsAndSystemCalls) {
 
   EXPECT_EQ(wasteful.bench.written(wasteful.bench.shell().command), 8.0) << "it works as ever";
   EXPECT_EQ(wasteful.cost.heap_calls, 2U);
-  skip_where_system_calls_are_not_counted(wasteful.cost);
+  if (!wasteful.cost.system_calls) GTEST_SKIP() << kNotCounted;
   EXPECT_EQ(wasteful.cost.system_calls, 2U);
 }
 
@@ -94,7 +92,7 @@ TEST(JobCost, GivesResultsAndErrorsOfSystemCallsUnchanged) {
   EXPECT_EQ(parent, getppid());
   EXPECT_EQ(closed, -1);
   EXPECT_EQ(errno, EBADF);
-  skip_where_system_calls_are_not_counted(cost);
+  if (!cost.system_calls) GTEST_SKIP() << kNotCounted;
   EXPECT_EQ(cost.system_calls, 2U);
 }
 
@@ -113,7 +111,7 @@ TEST(JobCost, OfAComponentIsThatOfItsJobsAlone) {
   ASSERT_TRUE(plain.deploy());
   plain.run_for(100ms);
   EXPECT_EQ(plain.cost().heap_calls, 0U);
-  skip_where_system_calls_are_not_counted(plain.cost());
+  if (!plain.cost().system_calls) GTEST_SKIP() << kNotCounted;
   EXPECT_EQ(wasteful.cost().system_calls, 2 * jobs);
   EXPECT_EQ(plain.cost().system_calls, 0U);
 }
