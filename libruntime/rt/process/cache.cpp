@@ -9,8 +9,8 @@ extern "C" {
 
 namespace mauve::rt {
 
-/// The first function of the section, at the beginning of a page. All of the code is on this page,
-/// so the CPU has translated its address when the swap begins.
+/// The first function of the section, at the beginning of a page. All of the code is on this page
+/// and, on arm64, the next one, so the CPU has translated its addresses when the swap begins.
 [[gnu::aligned(4096)]] MAUVE_RUNS_AT_A_SWAP void touch_swap_code() {
   constexpr std::ptrdiff_t kLine = 64;
   const std::byte* const end = __stop_mauve_swap_code;

@@ -38,7 +38,7 @@ inline void touch(const void* object, std::size_t size) {
 
 /// Returns when that code is in the cache, and so are the lines that were touched before. [rt]
 void touch_swap_code();
-/// The bytes of that code, at most a page: it needs one translation of an address. [any]
+/// The bytes of that code, at most a page, on arm64 two: each needs one translation. [any]
 [[nodiscard]] std::size_t swap_code_size();
 
 }  // namespace mauve::rt
