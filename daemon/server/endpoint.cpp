@@ -39,7 +39,8 @@ Result<sockaddr_un> address_of(const std::filesystem::path& path) {
   const auto& text = path.native();
   if (text.empty() || text.size() >= sizeof address.sun_path) {
     return refuse({Errc::limit, "socket_path_too_long"}, text,
-                  "a socket path has 1 to 107 characters", "choose a shorter one");
+                  "this path of a socket has no room in its address: 107 characters",
+                  "choose a path of at most 102 characters: the one for stops ends in .stop");
   }
   std::memcpy(address.sun_path, text.c_str(), text.size() + 1);
   return address;
@@ -155,8 +156,10 @@ Result<Endpoint> Endpoint::open(const std::filesystem::path& path) {
   std::error_code failed;
   const auto absolute = std::filesystem::absolute(path, failed);
   Endpoint endpoint(failed ? path : absolute);
-  if (const auto fits = address_of(endpoint.path()); !fits) {
-    return fits.error();
+  for (const auto way : kWays) {
+    if (const auto fits = address_of(endpoint.path(way)); !fits) {
+      return fits.error();
+    }
   }
   for (const auto way : kWays) {
     if (auto bound = endpoint.bind_again(way); !bound) {
@@ -195,9 +198,6 @@ bool Endpoint::is_there(Way way) const {
 }
 
 Status Endpoint::bind_again(Way way) {
-  if (way == Way::stop && !address_of(path(way))) {
-    return ok();  // clients come on the other way
-  }
   const AsMauveGroup group;
   if (auto made = make_directory(); !made) {
     return made;

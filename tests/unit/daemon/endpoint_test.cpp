@@ -98,15 +98,18 @@ TEST(Endpoint, KeepsViewersFromTheSocketForStopsAlsoWhereTheDirectoryHasThemInIt
   EXPECT_EQ(mode_of(dir / "s.stop"), 0660U);
 }
 
-TEST(Endpoint, HasNoSecondSocketWhereItsNameWouldBeTooLong) {
+/// A mauved without it would hear no stop beside viewers who take every place.
+TEST(Endpoint, RefusesAPathBesideWhichTheSecondSocketHasNoRoom) {
   const TempDir dir;
-  const auto room = 107 - dir.path().string().size() - 1;
-  const auto path = dir / std::string(room, 'x');
+  const auto longest = 102 - dir.path().string().size() - 1;
 
-  const auto endpoint = Endpoint::open(path);
+  const auto endpoint = Endpoint::open(dir / std::string(longest, 'x'));
+  const auto longer = Endpoint::open(dir / std::string(longest + 1, 'y'));
 
   ASSERT_TRUE(endpoint);
-  EXPECT_TRUE(test::RawClient(path).connected());
+  EXPECT_TRUE(test::RawClient(dir / (std::string(longest, 'x') + ".stop")).connected());
+  ASSERT_FALSE(longer);
+  EXPECT_EQ(longer.error().code, Errc::limit);
 }
 
 TEST(Endpoint, RefusesAStartWhereSomethingElseHasTheNameOfTheSecondSocket) {
