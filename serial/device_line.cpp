@@ -74,6 +74,11 @@ bool DeviceLine::take(LineBytes& line, char& byte) {
   return true;
 }
 
+void DeviceLine::forget(LineBytes& line) {
+  begin_job(line);
+  for (int part = 0; part < 2; ++part) line.ring.drop(line.ring.there().size());
+}
+
 bool DeviceLine::send(std::string_view bytes) {
   if (lost_) return false;
   if (thread_.send(bytes)) {

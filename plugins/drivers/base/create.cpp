@@ -95,9 +95,8 @@ class CreateOi final : public BaseCore {
     silent_ = false;
     state->begun = true;
     state->answers = false;
-    for (char byte = 0; state->device != device() && line_.take(state->bytes, byte);) {
-      // Reports that another base sent, or this one before anybody had begun it.
-    }
+    line_.forget(state->bytes);  // of another base, or sent before this one was begun
+    state->reports = {};
     state->device = device();
     line_.send(create::begin_text());
   }

@@ -72,6 +72,8 @@ class DeviceLine {
   /// latter is counted (`unsent`), and the warning `takes_no_bytes` lasts until the next one that
   /// finds room. [rt]
   bool send(std::string_view bytes);
+  /// Drops all bytes that came so far. [rt]
+  void forget(LineBytes& line);
 
   mauve::Property<std::string> device;  ///< to be opened
   mauve::Property<int> baud;            ///< the speed
