@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// When a terminal was written to. The kernel hands the bytes of a pseudo-terminal over in an
-/// ordinary thread of its own, which any urgent thread on its CPU holds up, and with it everybody
-/// who looks for bytes. The device of a robot has the bytes when the call has returned.
+/// When a terminal was written to. An ordinary thread of the kernel hands the bytes of a
+/// pseudo-terminal over. Any urgent thread on its CPU holds that one up, and with it everybody who
+/// looks for bytes. The device of a robot has the bytes when the call has returned.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -22,9 +22,9 @@
 
 namespace mauve::test {
 
-/// Gives each frame that comes the time of the call that wrote it, or a later one, never an earlier
-/// one: a call writes one frame or more, a frame may come before its notice, and frames that were
-/// noticed may be dropped before they come (SafeOrder::drop_unsent).
+/// Gives each frame that comes the time of the call that wrote it, or a later one. A call writes
+/// one frame or more, and a frame may come before its notice. Frames that were noticed may be
+/// dropped before they come (SafeOrder::drop_unsent).
 class WriteTimes {
  public:
   WriteTimes(const std::string& path, int priority)
