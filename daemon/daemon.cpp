@@ -11,6 +11,7 @@
 #include <random>
 
 #include "arch/build/load.h"
+#include "changes/urgent_share.h"
 #include "commands/audit.h"
 #include "commands/model.h"
 #include "commands/recovery/abandoned.h"
@@ -23,7 +24,6 @@
 #include "monitor/service_status.h"
 #include "notify.h"
 #include "rt/thread/crash_handler.h"
-#include "rt/thread/thread.h"
 #include "start_warnings.h"
 
 namespace mauve::daemon {
@@ -244,12 +244,14 @@ Status Daemon::serve() {
   running_->guardian = &guardian_;
   keep_the_first();
   table_ = std::make_unique<CommandTable>(*running_);
-  server_ = std::make_unique<server::Server>(
-      server::ServerOptions{{}, server::machine_rules(), server::machine_rules}, *table_, log_);
+  server::ServerOptions how{{}, server::machine_rules(), server::machine_rules};
+  how.after_work = urgent_within_share(options_.urgency());
+  server_ = std::make_unique<server::Server>(std::move(how), *table_, log_);
   recorder_.start(*running_);
   const auto state = state_line(*running_);
   supervisor_.start(*running_);
-  stopper_.start(*deployer_, options_.urgency(), [this](int p) { control_.set_priority(p); });
+  stopper_.start(*deployer_, options_.urgency_of_watch(),
+                 [this](bool now) { control_.set_priority(now ? options_.urgency() : 0); });
   control_.start();
   guardian_.serve(*running_);
   judge_.start(judge_command(options_), options_.prepare_within);
@@ -261,7 +263,6 @@ Status Daemon::serve() {
   }
   endpoint_.reset();
   server_->start();
-  server_->post([priority = options_.urgency()] { rt::raise_this_thread(priority); });
   log_.write(Event::daemon_running, {{"text", state}});
   notify::ready(state);
   return ok();

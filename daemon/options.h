@@ -32,8 +32,10 @@ struct Options {
   bool flight_recorder = true;         ///< traces always, and writes recordings by itself
   logging::Level log_level = logging::Level::info;
 
-  /// SCHED_FIFO of the threads on the way to safe values, below all components; 0: ordinary.
+  /// SCHED_FIFO of [io], and of [control] while a stop is watched; 0: ordinary.
   [[nodiscard]] int urgency() const { return realtime == Realtime::off ? 0 : 1; }
+  /// Of [stop], which watches them, and of [link] and [safe].
+  [[nodiscard]] int urgency_of_watch() const { return realtime == Realtime::off ? 0 : 2; }
 };
 
 /// The program ends at once: --help, --version, or wrong use.

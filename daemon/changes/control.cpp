@@ -89,7 +89,7 @@ bool WorkerThread::post_first(Job job) {
 bool WorkerThread::is_this_thread() const { return std::this_thread::get_id() == thread_.get_id(); }
 
 void WorkerThread::set_priority(int priority) {
-  static_cast<void>(rt::give_priority(thread_.native_handle(), priority));
+  rt::give_priority(thread_.native_handle(), priority);
 }
 
 void WorkerThread::await(std::function<bool()> over, Job then) {

@@ -60,13 +60,12 @@ std::vector<std::string> StopOrder::stopped_directly() const {
   return direct_ != nullptr ? ran() : std::vector<std::string>();
 }
 
-void Stopper::start(Deployer& deployer, int priority, std::function<void(int)> give_control) {
+void Stopper::start(Deployer& deployer, int priority, std::function<void(bool)> hasten) {
   deployer_ = &deployer;
-  priority_ = priority;
-  give_control_ = std::move(give_control);
-  thread_ = std::thread([this] {
+  hasten_ = std::move(hasten);
+  thread_ = std::thread([this, priority] {
     begin_thread(ThreadRole::stop);
-    rt::raise_this_thread(priority_);
+    rt::raise_this_thread(priority);
     run();
   });
 }
@@ -115,11 +114,11 @@ void Stopper::run() {
 
 /// Again at each look: the end of a commit takes the priority from [control].
 void Stopper::hasten_control() {
-  if (priority_ == 0 || (orders_.empty() && !hastened_)) {
+  if (orders_.empty() && !hastened_) {
     return;
   }
   hastened_ = !orders_.empty();
-  give_control_(hastened_ ? priority_ : 0);
+  hasten_(hastened_);
 }
 
 /// True: there is nothing more to do for it here.

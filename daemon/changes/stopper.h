@@ -69,10 +69,9 @@ class Stopper {
   Stopper(const Stopper&) = delete;
   Stopper& operator=(const Stopper&) = delete;
 
-  /// [main] The deployer outlives stop(). `priority`: SCHED_FIFO of [stop], and of [control] while
-  /// a stop is watched, so that no ordinary thread delays a stop; 0: both are ordinary.
-  /// `give_control` gives it to [control], and is called on [stop].
-  void start(Deployer& deployer, int priority = 0, std::function<void(int)> give_control = {});
+  /// [main] The deployer outlives stop(). `priority`: SCHED_FIFO of [stop], where it is permitted;
+  /// 0: ordinary. `hasten` is called on [stop]: true while a stop is watched, false when none is.
+  void start(Deployer& deployer, int priority, std::function<void(bool)> hasten);
   void stop();
   /// [any] Never waits. From now on until its end.
   void watch(std::shared_ptr<StopOrder> order);
@@ -91,8 +90,7 @@ class Stopper {
 
   logging::Log& log_;
   Deployer* deployer_ = nullptr;
-  int priority_ = 0;
-  std::function<void(int)> give_control_;
+  std::function<void(bool)> hasten_;
   bool hastened_ = false;  ///< [stop]
   Mutex mutex_;            ///< guards the next two; no thread holds it long
   std::vector<std::shared_ptr<StopOrder>> new_ones_ MAUVE_GUARDED_BY(mutex_);

@@ -65,7 +65,7 @@ Status Guardian::start(const Options& options) {
   plan.use = options.guardian;
   plan.socket = options.socket + ".guardian";
   plan.command = {program(), "--connected"};
-  plan.priority = options.urgency();
+  plan.priority = options.urgency_of_watch();
   auto begun = link_.start(std::move(plan), [this](const rt::GuardianNews& news) { report(news); });
   return begun && use_ == rt::GuardianUse::require ? link_.found_at_start() : begun;
 }

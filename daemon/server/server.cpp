@@ -52,7 +52,11 @@ void Server::start() {
   doors_.start();
   thread_ = std::thread([this] {
     begin_thread(ThreadRole::io);
-    io_.run();
+    do {
+      if (options_.after_work) {
+        options_.after_work();
+      }
+    } while (io_.run_one() > 0);
   });
 }
 

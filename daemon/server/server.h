@@ -41,6 +41,8 @@ struct ServerOptions {
   RoleRules roles;
   /// Asked when a user has no role, at most once a second: his group may be new. None: never asked.
   std::function<RoleRules()> look_again = {};
+  /// Called on [io] at its start, and after each piece of its work. None: nothing is called.
+  std::function<void()> after_work = {};
 };
 
 class Server {

@@ -143,7 +143,8 @@ std::string initialised_by(const ElfFile& file) {
   return where;
 }
 
-/// On arm64 the atomics of libgcc ask the C library at the start which instructions the CPU has.
+/// On arm64 the atomics of libgcc ask the C library at the start which instructions the CPU has. A
+/// plugin that calls __getauxval() itself may have an initialiser of its own in place of that one.
 std::size_t of_atomics([[maybe_unused]] const ElfFile& file) {
 #if defined(__aarch64__)
   return has_symbol(file, SHT_DYNSYM, "__getauxval") ? 1 : 0;

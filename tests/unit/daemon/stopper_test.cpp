@@ -19,9 +19,9 @@ class StopperTest : public testing::Test {
  protected:
   void SetUp() override {
     ASSERT_TRUE(deployer.deploy());
-    stopper.start(deployer, 1, [this](int given) {
-      priority = given;
-      if (given == 1) ++hastened;
+    stopper.start(deployer, 0, [this](bool now) {
+      hastens = now;
+      if (now) ++hastened;
     });
   }
   /// The deployer outlives it.
@@ -49,7 +49,7 @@ class StopperTest : public testing::Test {
   Names run_still{"no report"};
   Names ran;
   std::atomic<int> reports{0};
-  std::atomic<int> priority{-1};  // of [control]
+  std::atomic<bool> hastens{false};
   std::atomic<int> hastened{0};
 };
 
@@ -117,14 +117,14 @@ TEST_F(StopperTest, NamesTheComponentsThatControlHadParkedBeforeItWasHeldUp) {
   EXPECT_THAT(stop->stopped_directly(), ElementsAre("left"));
 }
 
-TEST_F(StopperTest, GivesControlAPriorityWhileAStopIsWatched) {
+TEST_F(StopperTest, HastensControlWhileAStopIsWatched) {
   const auto stop = order({"left"});
 
   stopper.watch(stop);
   EXPECT_TRUE(test::eventually([&] { return hastened > 0; }));
   stop->end(deployer);
 
-  EXPECT_TRUE(test::eventually([&] { return priority == 0; }));
+  EXPECT_TRUE(test::eventually([&] { return !hastens; }));
 }
 
 /// [stop] looks at all of them many times before it carries out the second one.
