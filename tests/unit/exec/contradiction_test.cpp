@@ -2,6 +2,9 @@
 /// Measurements that contradict the response time analysis, on a clock that is moved by hand.
 #include <gtest/gtest.h>
 
+#include <thread>
+
+#include "support/eventually.h"
 #include "support/ramp.h"
 
 namespace mauve {
@@ -96,6 +99,28 @@ TEST_F(Contradictions, AreNoneBetweenTheLastAndTheLongestJobOfAnotherCore) {
 
   EXPECT_EQ(deployer.status("control").elapsed_max, 0us);
   EXPECT_EQ(deployer.status("control").elapsed_last, 0us);
+}
+
+/// Its jobs last longer than its budget, and use next to nothing of a processor.
+struct Sleepy : ramp::Down {
+  void update() override {
+    ramp::Down::update();
+    std::this_thread::sleep_for(50ms);
+  }
+};
+
+TEST(BudgetOnThreads, IsOfProcessorTimeAndNotOfTheTimeThatAJobLasts) {
+  ramp::Architecture architecture;
+  architecture.control.task().budget = 25ms;
+  architecture.control.task().watchdog = 1h;
+  Deployer deployer{architecture, {.realtime = Realtime::off}};
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(deployer.apply({{ramp::to_core<Sleepy>("Sleepy")}}));
+
+  EXPECT_TRUE(test::eventually([&] { return deployer.status("control").elapsed_max >= 50ms; }));
+
+  EXPECT_EQ(deployer.status("control").over_present_budget, 0U);
+  static_cast<void>(deployer.shutdown(test::kPatience, test::kPatience));
 }
 
 }  // namespace
