@@ -30,6 +30,7 @@ enum class Outcome : std::uint8_t { open, done, refused, unknown };
 struct Order {
   bool starts = false;
   std::set<std::string> names = {};
+  bool lasts = true;  ///< no rollback of its change brings back the stop that it ends
   Moment asked = 0;
   Moment answered = kNotYet;
   Outcome outcome = Outcome::open;
@@ -79,8 +80,8 @@ class UserOrders {
   }
   [[nodiscard]] bool is_started(const std::string& component, const Order& stop) const {
     return std::ranges::any_of(orders_, [&](const Order& start) {
-      return start.starts && start.means(component) && start.outcome == Outcome::done &&
-             start.asked > stop.answered;
+      return start.starts && start.lasts && start.means(component) &&
+             start.outcome == Outcome::done && start.asked > stop.answered;
     });
   }
   /// An order for all that has its answer makes those that were answered before it superfluous.

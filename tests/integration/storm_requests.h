@@ -176,7 +176,9 @@ class StormRequests {
     if (below(8) == 0) steps.push_back({{"set", "a.core.gain"}, {"value", -1.0}});  // is refused
     Json params = {{"text", steps.dump()}};
     judged(params);
-    return {"change.apply", std::move(params), Order{!stops, {name}},
+    // A start beside other steps is on probation with them.
+    const bool lasts = stops || steps.size() == 1 || params.value("probation", "") == "off";
+    return {"change.apply", std::move(params), Order{!stops, {name}, lasts},
             steps.size() > 1 && steps[1]["value"] == stamp_ ? stamp_ : 0};
   }
   StormRequest release() {
