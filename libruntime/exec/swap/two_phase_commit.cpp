@@ -52,7 +52,10 @@ TwoPhaseCommit::~TwoPhaseCommit() {
   }
   // A thread may be about to read a decision when the wait for it was ended, or when the system
   // goes down over it.
-  for (const Member& member : members_) in_use = in_use || member.update != nullptr;
+  for (Member& member : members_) {
+    in_use = in_use || member.update != nullptr;
+    take_back(member);
+  }
   if (!in_use) return;
   for (auto& decision : decisions_) keep_for_abandoned(std::move(decision));
 }
@@ -171,10 +174,16 @@ void TwoPhaseCommit::settle(Member& member) {
     static_cast<void>(
         member.task->mailbox().reclaim());  // frees the updates before; their elements stay
   } else {
-    member.next.reset(member.update);  // untouched, ready for another attempt
+    take_back(member);  // untouched, ready for another attempt
   }
   member.update = nullptr;
   member.settled = true;
+}
+
+/// Owns an update again that the task has given back.
+void TwoPhaseCommit::take_back(Member& member) {
+  if (member.update == nullptr || member.answer->progress != Progress::given_back) return;
+  member.next.reset(std::exchange(member.update, nullptr));
 }
 
 /// Some member does not come to a boundary, or met the update at a release and does not end the job
@@ -187,6 +196,7 @@ void TwoPhaseCommit::stop_waiting() {
   const bool committed = decisions_.back()->state() == Decision::State::committed;
   std::size_t in_force = 0;
   for (Member& member : members_) {
+    if (!member.settled) settle(member);
     if (!member.settled) stop_waiting(member, committed);
     in_force += member.in_force ? 1 : 0;
   }

@@ -108,6 +108,7 @@ class TwoPhaseCommit {
   void publish(Member& member);
   void arm(ResourceMember& resource);
   void settle(Member& member);
+  static void take_back(Member& member);
   void stop_waiting();
   void stop_waiting(Member& member, bool committed);
   [[nodiscard]] bool all_settled();

@@ -7,6 +7,7 @@
 #include "base/fail_point.h"
 #include "exec/swap/two_phase_commit.h"
 #include "support/ramp.h"
+#include "support/store.h"
 
 namespace mauve {
 namespace {
@@ -144,6 +145,28 @@ TEST_F(LateCommit, StopsBehindTheJobsThatRanBeforeTheOrderWasPublished) {
   EXPECT_EQ(deployer.status("quick").state, ComponentState::stopped);
   EXPECT_GT(stopped->commit, 60ms) << "a job was released then, and ran";
   EXPECT_EQ(stopped->attempts, 1u);
+}
+
+/// The members have given their updates back, and the coordinator has not looked at them since. A
+/// leak checker tells when one is lost.
+TEST(BarrierThatMissesItsInstant, LosesNoUpdateWhenAStopCallsItOff) {
+  store::Architecture architecture;
+  Deployer deployer{architecture, {.simulated = true, .admission = Admission::off}};
+  ASSERT_TRUE(deployer.deploy());
+  deployer.run_for(20ms);
+  auto change = deployer.prepare(store::change_to(store::make<store::Second>("two")));
+  ASSERT_TRUE(change) << to_string(change.error());
+  at_fail_point() = [&](std::string_view point) {
+    if (point == kBeforeDecide) deployer.run_for(10ms);
+  };
+  const std::shared_ptr<Ongoing> ongoing = deployer.begin(*change);
+  at_fail_point() = nullptr;
+
+  EXPECT_TRUE(deployer.stop({"right"}));
+
+  const Result<Receipt> refused = deployer.wait(*ongoing);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::conflict);
 }
 
 class LateCommitOnProbation : public LateCommit {
