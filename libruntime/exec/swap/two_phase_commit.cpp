@@ -196,7 +196,6 @@ void TwoPhaseCommit::stop_waiting() {
   const bool committed = decisions_.back()->state() == Decision::State::committed;
   std::size_t in_force = 0;
   for (Member& member : members_) {
-    if (!member.settled) settle(member);
     if (!member.settled) stop_waiting(member, committed);
     in_force += member.in_force ? 1 : 0;
   }
