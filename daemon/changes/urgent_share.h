@@ -13,8 +13,8 @@
 
 namespace mauve::daemon {
 
-/// A token bucket: what it uses beyond 10 ms and a tenth of the time makes it an ordinary thread,
-/// until half of the 10 ms are there again.
+/// A token bucket of 10 ms of processor time, which fills at a tenth of real time. The thread is
+/// urgent until its bucket is empty, and again when it is half full.
 class UrgentShare {
  public:
   static constexpr Duration kBurst{10'000'000};

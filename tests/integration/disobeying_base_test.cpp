@@ -84,7 +84,7 @@ TEST_F(RoverBase, IsStoppedByARuleWhileItObeysNoCommandUntilItIsStarted) {
       [&] { return state() == "running" && rover_.value("base.core.disobeys") == false; }));
 }
 
-/// No rule stops it: its driver does what is needed.
+/// No rule stops the base, since its driver lets it stand by itself.
 TEST_F(RoverBase, StandsWhileItIsSilentAndIsDrivenAgainOnceItReports) {
   ASSERT_TRUE(eventually([&] { return base_.drives() > 100; })) << rover_.errors();
 
