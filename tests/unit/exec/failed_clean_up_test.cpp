@@ -2,30 +2,34 @@
 /// A core whose on_cleanup() does not end stays in memory: its destructor would end the process.
 #include <gtest/gtest.h>
 
+#include <exception>
 #include <stdexcept>
-#include <thread>
 
 #include "support/ramp.h"
 
 namespace mauve {
 namespace {
 
-/// Its thread is joined after what may fail.
-struct Unjoined : ramp::RampCore {
+/// It closes its device after what may fail, and its destructor, like that of a thread that nobody
+/// joined, ends the process.
+struct Unclosed : ramp::RampCore {
   State<ramp::Position> state{*this};
 
+  ~Unclosed() override {
+    if (!closed_) std::terminate();
+  }
   void update() override {}
   Status on_configure() override {
-    helper_ = std::thread([] {});
+    closed_ = false;
     return ok();
   }
   void on_cleanup() override {
     throw std::runtime_error("the device does not answer");
-    helper_.join();
+    closed_ = true;
   }
 
  private:
-  std::thread helper_;
+  bool closed_ = true;
 };
 
 struct Joined : ramp::RampCore {
@@ -34,7 +38,7 @@ struct Joined : ramp::RampCore {
 };
 
 TEST(FailedCleanUp, LeavesTheCoreInMemoryAndIsReturned) {
-  ramp::One<Unjoined> architecture;
+  ramp::One<Unclosed> architecture;
   Deployer deployer{architecture, {.simulated = true}};
   ASSERT_TRUE(deployer.deploy());
   deployer.run_for(50ms);
