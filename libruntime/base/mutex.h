@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Mutex, MutexLock and ConditionVariable: std::mutex and its companions, with annotations that
 /// clang checks at compile time (-Wthread-safety). A thread uses data that a mutex guards only
-/// while it holds the mutex. Not for real-time threads, which use rt::PiMutex.
+/// while it holds the mutex. Not for real-time threads, which use rt::PiMutex, since a wait here
+/// has no bound.
+///
+/// The holder of a mutex inherits the priority of those who wait for it: [stop], [safe] and [link]
+/// share some with ordinary threads, which other programs may keep from the processor.
 ///
 /// See "Thread Safety Analysis" in the manual of clang, where the names of the macros come from.
 #pragma once
+
+#include <pthread.h>
 
 #include <chrono>
 #include <condition_variable>
@@ -30,6 +36,15 @@ namespace mauve {
 
 class MAUVE_THREAD_ATTRIBUTE(capability("mutex")) Mutex {
  public:
+  /// std::mutex does not offer this protocol, and its native handle may be made anew.
+  Mutex() {
+    pthread_mutexattr_t attributes;
+    pthread_mutexattr_init(&attributes);
+    pthread_mutexattr_setprotocol(&attributes, PTHREAD_PRIO_INHERIT);
+    pthread_mutex_destroy(mutex_.native_handle());
+    pthread_mutex_init(mutex_.native_handle(), &attributes);
+    pthread_mutexattr_destroy(&attributes);
+  }
   void lock() MAUVE_THREAD_ATTRIBUTE(acquire_capability()) { mutex_.lock(); }
   void unlock() MAUVE_THREAD_ATTRIBUTE(release_capability()) { mutex_.unlock(); }
   [[nodiscard]] bool try_lock() MAUVE_THREAD_ATTRIBUTE(try_acquire_capability(true)) {
