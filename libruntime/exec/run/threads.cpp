@@ -131,12 +131,14 @@ class Threads final : public Runner {
   bool end(Task& task, Instant deadline) override {
     Worker* const worker = begin_end(task);
     if (worker == nullptr) return true;
-    const bool ended = await([&] { return !worker->thread.running(); }, deadline);
+    const auto has_ended = [&] {
+      const rt::PiMutexLock lock(mutex_);
+      return worker->thread.join_if_ended();
+    };
+    const bool ended = await(has_ended, deadline);
     const rt::PiMutexLock lock(mutex_);
     const auto found = workers_.find(&task);
-    if (ended) {
-      worker->thread.join();
-    } else {
+    if (!ended) {
       worker->thread.abandon();
       keep_for_abandoned(std::shared_ptr<Worker>(std::move(found->second)));
     }
@@ -356,9 +358,7 @@ class Threads final : public Runner {
   /// Joins each abandoned thread that has ended: the guard must not wait for one that runs.
   Instant join_lost() MAUVE_REQUIRES(mutex_) {
     std::erase_if(lost_, [](const std::unique_ptr<Worker>& worker) {
-      if (worker->thread.running()) return false;
-      worker->thread.join();
-      return true;
+      return worker->thread.join_if_ended();
     });
     const bool soon =
         std::any_of(lost_.begin(), lost_.end(), [](const auto& worker) { return worker->ending; });

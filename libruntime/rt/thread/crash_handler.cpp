@@ -39,7 +39,9 @@ CrashHandler::~CrashHandler() {
 Status CrashHandler::start(std::function<void(const Death&)> speak) {
   speak_ = std::move(speak);
   const sigset_t before = EndHandlers::keep_away_from_this_thread();  // the new thread inherits it
-  Status started = thread_.start({"mauve-last", 0, {}, 64 * 1024}, [this] { wait(); });
+  // An end does not wait until an ordinary thread gets a processor.
+  const int priority = may_use_fifo(kCrashPriority) ? kCrashPriority : 0;
+  Status started = thread_.start({"mauve-last", priority, {}, 64 * 1024}, [this] { wait(); });
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
   if (!started) return started;
   speakers.fetch_add(1);
@@ -56,7 +58,6 @@ void CrashHandler::wait() {
     if (!death_reported.load()) futex_wait_until(bell, seen, kForever);
   }
   i_speak() = true;
-  const Boost urgent(kCrashPriority);
   speak_(death);
   futex_bump(silent);
 }

@@ -124,6 +124,11 @@ void Thread::join() {
   running_ = false;
 }
 
+bool Thread::join_if_ended() {
+  if (running_) running_ = pthread_tryjoin_np(handle_, nullptr) == EBUSY;
+  return !running_;
+}
+
 void Thread::abandon() {
   if (running_) pthread_detach(handle_);
   running_ = false;

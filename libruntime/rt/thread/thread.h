@@ -37,6 +37,9 @@ class Thread {
   [[nodiscard]] bool running() const { return running_ && !finished_.load(); }
   /// Waits for the end of the body.
   void join();
+  /// Joins a thread that has ended, which takes longer than the end of its body: no urgent thread
+  /// waits for the last steps of an ordinary one. True: there is nothing more to join.
+  [[nodiscard]] bool join_if_ended();
   /// Gives up on a thread that does not end. The thread uses this object as long as it runs.
   void abandon();
   /// The policy and priority the system really gave it: true when SCHED_FIFO at `priority`.
