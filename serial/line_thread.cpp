@@ -43,10 +43,11 @@ void introduce() {
   pthread_sigmask(SIG_BLOCK, &all, nullptr);
 }
 
-/// Then the line comes before ordinary work, and after every component.
+/// Then the line comes before ordinary work and before the threads of mauved that serve requests,
+/// and after every component of a higher priority.
 void raise_priority() {
-  const sched_param lowest{sched_get_priority_min(SCHED_FIFO)};
-  static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &lowest));
+  const sched_param low{sched_get_priority_min(SCHED_FIFO) + 1};
+  static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &low));
 }
 
 constexpr std::size_t kHead = 3;  // before a request: how long it is, and after how many orders
