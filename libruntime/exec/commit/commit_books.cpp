@@ -166,8 +166,8 @@ void Commit::conclude() {
   }
   if (!whole && rollback_ != nullptr) return trigger_rollback();
   end_stops(system_, *content_, swap_->members());
-  receipt_.generation =
-      content_->step ? system_.generation : make_generation(system_, is_unconditional());
+  if (!content_->step) made_ = make_generation(system_, is_unconditional());
+  receipt_.generation = system_.generation;
   system_.newest = weak_from_this();
   system_.looks_at_newest = 0;
   change_membership();
@@ -204,7 +204,7 @@ void Commit::trigger_rollback() {
   take_back_stops(system_, *content_);
   const bool quietly =
       rollback_->trigger(system_.runner->clock(), "some member did not end its job in time");
-  if (!quietly) ++system_.generation;  // a core failed meanwhile, which is reported
+  if (!quietly) made_ = ++system_.generation;  // a core failed meanwhile, which is reported
   change_membership();
   for (std::size_t i = 0; i < deployed_.size(); ++i) {
     rollbacks_[i].in_force = swap_->members()[i].in_force;
@@ -220,7 +220,10 @@ bool Commit::all_went_back() {
   ProbationPeriod* const one = probation_of(system_, *rollback_);
   const bool under_way = one != nullptr;
   if (under_way && system_.runner->now() < back_by_) return false;
-  if (under_way) one->report_after_all();
+  if (under_way) {
+    one->report_after_all();
+    made_ = one->generations().back();
+  }
   const std::string late = late_jobs_->reason(silent());
   result_ = not_applied(late);
   if (!under_way && !failed().empty()) {

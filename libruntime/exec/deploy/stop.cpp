@@ -213,8 +213,9 @@ bool Stop::parked() {
 
 void Stop::take_answer(const Commit& commit) {
   const Receipt& part = commit.receipt();
-  receipt_.state = ChangeState::applied;
+  if (commit.made() != 0 || !part.components.empty()) receipt_.state = ChangeState::applied;
   receipt_.generation = std::max(receipt_.generation, part.generation);
+  made_ = std::max(made_, commit.made());
   receipt_.commit = std::max(receipt_.commit, part.commit);
   receipt_.attempts = std::max(receipt_.attempts, part.attempts);
   receipt_.components.insert(receipt_.components.end(), part.components.begin(),

@@ -9,6 +9,7 @@
 #include "exec/commit/under_way.h"
 #include "exec/deploy/bring_up.h"
 #include "exec/deploy/shutdown.h"
+#include "exec/deploy/stop.h"
 #include "exec/prepare/prepare.h"
 #include "support/eventually.h"
 #include "support/ramp.h"
@@ -252,6 +253,31 @@ TEST_F(Partly, WithoutProbationTheMixtureIsReportedAndWhatLeftIsGone) {
   look();
   Before::shut() = false;
   EXPECT_TRUE(runs_on("left"));
+}
+
+/// The generation in force when a stop gives up waiting may be that of another change.
+TEST_F(Partly, AStopNamesTheGenerationThatItMadeAndNoOther) {
+  auto of_left = prepare_change(system, {{ramp::to_core<ramp::Down>("down", "left")}});
+  ASSERT_TRUE(of_left);
+  const auto change = begin_commit(system, *of_left, TwoPhaseCommit::Kind::change, 1h);
+  auto waits = begin_stop(system, {"left"}, std::nullopt);
+  ASSERT_TRUE(waits);
+  ASSERT_TRUE(apply_to_the_others(
+      [] { return Change{{ramp::to_core<ramp::Down>("down", "right")}}; }, false));
+  ASSERT_EQ(system.generation, 2u);
+
+  ASSERT_TRUE(eventually([&] { return (*waits)->advance(); }));
+
+  ASSERT_FALSE((*waits)->result());
+  EXPECT_EQ((*waits)->result().error().code, Errc::partly);
+  EXPECT_EQ((*waits)->made(), 0u) << "it waited for the change of left";
+  Before::shut() = false;
+  ASSERT_TRUE(eventually([&] { return change->advance(); }));
+  EXPECT_EQ(change->made(), 3u);
+  auto stops = begin_stop(system, {"right"}, std::nullopt);
+  ASSERT_TRUE(stops);
+  ASSERT_TRUE(eventually([&] { return (*stops)->advance(); }));
+  EXPECT_EQ((*stops)->made(), 4u);
 }
 
 }  // namespace

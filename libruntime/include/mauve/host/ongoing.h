@@ -2,6 +2,7 @@
 /// Changes and stops that are under way.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,8 @@ class Ongoing {
   /// asked, or when this object is not referred to any more, so that each generation can be looked
   /// at.
   [[nodiscard]] virtual Result<Receipt> result() const = 0;
+  /// The generation that it has made, also one that ends with an error; 0: none, or none yet.
+  [[nodiscard]] virtual std::uint64_t made() const = 0;
   /// Elements that are no longer in force.
   virtual Retired& retired() = 0;
 };
