@@ -42,11 +42,21 @@ void say_lines(const std::vector<arch::Line>& lines, Json& result) {
   }
 }
 
-void remember_lines(Running& running, const std::vector<arch::Line>& lines) {
+void expect_lines(Running& running, const std::shared_ptr<const Ongoing>& change,
+                  const std::vector<arch::Line>& lines) {
   MAUVE_ON_THREAD(control);
   Json foreseen;
   say_lines(lines, foreseen);
-  running.rollback_lines.remember(running.deployer.generation() + 1, foreseen["lines"]);
+  running.rollback_lines.expect(change, std::move(foreseen["lines"]));
+}
+
+void remember_lines(Running& running, std::uint64_t made, const std::vector<arch::Line>& lines) {
+  MAUVE_ON_THREAD(control);
+  Json done;
+  say_lines(lines, done);
+  if (made != 0) {
+    running.rollback_lines.remember(made, done["lines"]);
+  }
 }
 
 void say_notes(const std::vector<std::string>& notes, Json& result) {

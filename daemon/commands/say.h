@@ -17,7 +17,10 @@ void say_lines(const std::vector<arch::Line>& lines, Json& result);
 
 /// [control] A change on probation is about to make these differences. A rollback of it can be
 /// shown before its answer is.
-void remember_lines(Running& running, const std::vector<arch::Line>& lines);
+void expect_lines(Running& running, const std::shared_ptr<const Ongoing>& change,
+                  const std::vector<arch::Line>& lines);
+/// [control] It has ended, also partly, and made this generation; 0: none.
+void remember_lines(Running& running, std::uint64_t made, const std::vector<arch::Line>& lines);
 
 /// [any] Appends to the notes of the result.
 void say_notes(const std::vector<std::string>& notes, Json& result);

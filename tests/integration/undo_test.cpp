@@ -90,6 +90,23 @@ TEST_F(Undo, OfAValueThatWasSetBackSaysThatNoValueChanges) {
   }
 }
 
+/// The lines of the refused change were taken for a part of what the undo goes back over.
+TEST_F(Undo, IsJudgedByNoChangeThatWasRefused) {
+  TrialDaemon daemon;
+  auto to_confirm = on_probation(3.0);
+  to_confirm["confirm_within"] = "600s";
+  ASSERT_EQ(daemon.ask("param.set", to_confirm)["state"], "applied");
+  ASSERT_EQ(daemon.ask("param.set", on_probation(1.0))["data"]["id"], "waits_for_confirmation");
+
+  const auto plan = daemon.ask("change.undo", {{"dry_run", true}});
+  ASSERT_EQ(plan["lines"].size(), 1U) << plan;
+  EXPECT_EQ(plan["lines"][0]["new"], 1.0);
+  ASSERT_EQ(daemon.ask("lock.set", {{"lock", "params"}})["lock"], "params");
+
+  EXPECT_EQ(daemon.ask("change.undo")["data"]["name"], "conflict");
+  EXPECT_EQ(daemon.value("first.core.gain"), 3.0);
+}
+
 /// The change said that the probation of the swap in place ends.
 TEST_F(Undo, OfTheChangeThatEndedTheProbationOfASwapInPlaceDoesNotReopenIt) {
   TrialDaemon daemon;

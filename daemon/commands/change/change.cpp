@@ -42,14 +42,17 @@ void put_in_force(Running& running, const CallPtr& call, ChangeRequestPtr reques
     answer_so_already(running, *call);
     return free_in_factory(running, std::move(request), std::move(ticket));
   }
-  if (request->change.probation) {
-    remember_lines(running, request->lines);
-  }
   auto ongoing = running.deployer.begin(**request->prepared);
-  when_answered(running, std::move(ongoing),
+  if (request->change.probation) {
+    expect_lines(running, ongoing, request->lines);
+  }
+  when_answered(running, call, std::move(ongoing),
                 [&running, call, request, ticket = std::move(ticket)](Ongoing& done) mutable {
                   const auto receipt = done.result();
                   request->retired = std::move(done.retired());
+                  if (request->change.probation) {
+                    remember_lines(running, call->made, request->lines);
+                  }
                   finish(running, *call, receipt, receipt ? "" : state_after(receipt.error()),
                          *request);
                   free_in_factory(running, std::move(request), std::move(ticket));
@@ -87,6 +90,17 @@ void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
                           running.generation = running.deployer.generation();
                           then(*ongoing);
                         });
+}
+
+void when_answered(Running& running, const CallPtr& call, std::shared_ptr<Ongoing> ongoing,
+                   std::function<void(Ongoing&)> then) {
+  when_answered(running, std::move(ongoing), [call, then = std::move(then)](Ongoing& done) {
+    call->made = done.made();
+    if (call->made != 0 && call->on_made) {
+      call->on_made(call->made);
+    }
+    then(done);
+  });
 }
 
 std::vector<arch::Line> lines_of(const Running& running, PreparedChange& change) {

@@ -45,6 +45,9 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
 /// [control] Runs `then` on [control] when there is an answer; others are served meanwhile.
 void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
                    std::function<void(Ongoing&)> then);
+/// [control] The call has asked for it: see Call::made.
+void when_answered(Running& running, const CallPtr& call, std::shared_ptr<Ongoing> ongoing,
+                   std::function<void(Ongoing&)> then);
 
 /// The state of the running system after a change that ended with this error: "partly" or
 /// "unchanged".

@@ -2,6 +2,7 @@
 #include "commands/recovery/rollback_lines.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace mauve::daemon {
 
@@ -44,13 +45,30 @@ void RollbackLines::remember(std::uint64_t generation, const Json& lines) {
   }
 }
 
+void RollbackLines::expect(const std::shared_ptr<const Ongoing>& change, Json lines) {
+  std::erase_if(expected_, [](const Expected& one) { return one.change.expired(); });
+  if (lines.is_array() && !lines.empty()) {
+    expected_.push_back({change, std::move(lines)});
+  }
+}
+
+std::map<std::uint64_t, Json> RollbackLines::all() const {
+  auto lines = lines_;
+  for (const auto& one : expected_) {
+    if (const auto change = one.change.lock(); change != nullptr && change->made() != 0) {
+      lines.emplace(change->made(), one.lines);
+    }
+  }
+  return lines;
+}
+
 bool RollbackLines::knows(const std::vector<std::uint64_t>& changes) const {
   return std::ranges::none_of(changes, [&](auto generation) { return generation <= dropped_; });
 }
 
 Json RollbackLines::back_from(const std::vector<std::uint64_t>& changes) const {
   Json made = Json::array();
-  for (const auto& [generation, lines] : lines_) {
+  for (const auto& [generation, lines] : all()) {
     const bool rolls_back = std::ranges::find(changes, generation) != changes.end();
     for (const auto& line : lines) {
       add_later(line, rolls_back, made);

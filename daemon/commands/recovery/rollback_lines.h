@@ -5,8 +5,10 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <vector>
 
+#include "mauve/host/ongoing.h"
 #include "protocol/message.h"
 
 namespace mauve::daemon {
@@ -19,6 +21,9 @@ class RollbackLines {
   /// The change that made this generation made these differences ({"op","kind","address","old",
   /// "new"} each). Only the newest kMost are kept.
   void remember(std::uint64_t generation, const Json& lines);
+  /// The same of a change under way, as soon as it has made its generation. Whoever waits for it
+  /// remembers them when it is over.
+  void expect(const std::shared_ptr<const Ongoing>& change, Json lines);
   /// The differences that going back to before these changes makes now, each address once.
   [[nodiscard]] Json back_from(const std::vector<std::uint64_t>& changes) const;
   /// False: differences of some of these changes are not kept any more.
@@ -29,8 +34,16 @@ class RollbackLines {
   static constexpr std::size_t kMost = 1024;
 
  private:
+  struct Expected {
+    std::weak_ptr<const Ongoing> change;
+    Json lines;
+  };
+
+  [[nodiscard]] std::map<std::uint64_t, Json> all() const;
+
   std::map<std::uint64_t, Json> lines_;  // by generation
-  std::uint64_t dropped_ = 0;            // the newest generation whose differences are not kept
+  std::vector<Expected> expected_;
+  std::uint64_t dropped_ = 0;  // the newest generation whose differences are not kept
 };
 
 }  // namespace mauve::daemon

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include "mauve/host/receipt.h"
+#include "mauve/host/retired.h"
+
 namespace mauve::daemon {
 namespace {
 
@@ -65,6 +68,30 @@ TEST(RollbackLines, AreForgottenWithTheirChangesAndBounded) {
   lines.forget({2});
 
   EXPECT_EQ(lines.back_from({2}), Json::array());
+}
+
+struct Way final : Ongoing {
+  std::uint64_t number = 0;
+  Retired nothing;
+
+  bool advance() override { return false; }
+  [[nodiscard]] Result<Receipt> result() const override { return Receipt(); }
+  [[nodiscard]] std::uint64_t made() const override { return number; }
+  Retired& retired() override { return nothing; }
+};
+
+TEST(RollbackLines, OfAChangeUnderWayCountOnceItHasMadeItsGeneration) {
+  RollbackLines lines;
+  lines.remember(2, Json::array({line("a.core.x", 1, 2)}));
+  auto way = std::make_shared<Way>();
+  lines.expect(way, Json::array({line("a.core.x", 2, 1)}));
+  EXPECT_EQ(lines.back_from({2}), Json::array({line("a.core.x", 2, 1)}));
+
+  way->number = 3;
+  EXPECT_EQ(lines.back_from({3}), Json::array({line("a.core.x", 1, 2)}));
+
+  way.reset();
+  EXPECT_EQ(lines.back_from({2}), Json::array({line("a.core.x", 2, 1)})) << "it was refused";
 }
 
 }  // namespace

@@ -109,7 +109,7 @@ Status hand_names_over(Running& running, Reload& reload) {
     return old.error();
   }
   if (reload.change.probation && reload.receipt && *old) {
-    keep_former(running, **std::move(old));
+    keep_former(running, reload.receipt->generation, **std::move(old));
     reload.unmapped = {false, "it is kept until the probation of generation " +
                                   std::to_string(reload.receipt->generation) + " ends"};
     return ok();
@@ -250,19 +250,22 @@ void put_reload_in_force(Running& running, const CallPtr& call, ReloadPtr reload
     const auto done = put_in_books(running, call, *reload);
     return end(running, call, std::move(reload), std::move(ticket), done);
   }
-  if (reload->change.probation) {
-    remember_lines(running, reload->lines);
-  }
   std::vector<FailureMark> changed;
   for (const auto& edit : reload->change.edits) {
     changed.push_back(mark_failure(running, edit.member));
   }
   auto ongoing = running.deployer.begin(**reload->prepared);
-  when_answered(running, std::move(ongoing),
+  if (reload->change.probation) {
+    expect_lines(running, ongoing, reload->lines);
+  }
+  when_answered(running, call, std::move(ongoing),
                 [&running, call, reload, changed = std::move(changed),
                  ticket = std::move(ticket)](Ongoing& swapped) mutable {
                   const auto receipt = swapped.result();
                   reload->retired = std::move(swapped.retired());
+                  if (reload->change.probation) {
+                    remember_lines(running, call->made, reload->lines);
+                  }
                   Status done = ok();
                   if (receipt) {
                     reload->receipt = *receipt;
