@@ -70,7 +70,7 @@ Status Guardian::start(const Options& options) {
   return begun && use_ == rt::GuardianUse::require ? link_.found_at_start() : begun;
 }
 
-/// On the thread of the link.
+/// On the thread of the link. A stop comes before the words about it.
 void Guardian::report(const rt::GuardianNews& news) {
   const auto names = rt::GuardedOutputs::of_process().names();
   const auto outputs = names.empty() ? "the outputs" : listed(names);
@@ -79,21 +79,24 @@ void Guardian::report(const rt::GuardianNews& news) {
       return log_.write(Event::guardian_found, {{"text", found_text(news)}});
     case What::absent:
       return log_.write(Event::guardian_absent, {{"outputs", outputs}, {"text", news.state.why}});
-    case What::lost:
-      log_.write(Event::guardian_lost, {{"outputs", outputs}, {"text", news.state.why}});
-      if (use_ == rt::GuardianUse::require && !names.empty()) {
-        log_.write(Event::outputs_unguarded, {{"outputs", outputs}});
+    case What::lost: {
+      const bool stops = use_ == rt::GuardianUse::require && !names.empty();
+      if (stops) {
         cause_ = "the required guardian was lost";
         stop_all();
       }
+      log_.write(Event::guardian_lost, {{"outputs", outputs}, {"text", news.state.why}});
+      if (stops) log_.write(Event::outputs_unguarded, {{"outputs", outputs}});
       return;
+    }
     case What::silence:
-      log_.write(Event::outputs_made_safe, {{"text", who_was_silent()},
-                                            {"lasted", format_duration(news.lasted)},
-                                            {"done", static_cast<std::int64_t>(news.done)},
-                                            {"total", static_cast<std::int64_t>(news.total)}});
       cause_ = "the guardian took the outputs in a standstill";
-      return stop_all();
+      stop_all();
+      return log_.write(Event::outputs_made_safe,
+                        {{"text", who_was_silent()},
+                         {"lasted", format_duration(news.lasted)},
+                         {"done", static_cast<std::int64_t>(news.done)},
+                         {"total", static_cast<std::int64_t>(news.total)}});
   }
 }
 
@@ -137,16 +140,17 @@ void Guardian::stop_all() {
     const UserStop by{0, logging::utc(std::chrono::system_clock::now()), 0, cause};
     auto stopping = running->deployer.begin_stop_all(2s, by);
     static_cast<void>(save_stops(*running));
-    when_answered(*running, std::move(stopping), [running, call, lines, order](Ongoing& done) {
-      order->end(running->deployer);
-      rt::GuardedOutputs::of_process().send_again();
-      const auto receipt = done.result();
-      auto result = receipt ? Result<Json>(to_json(*receipt)) : receipt.error();
-      if (result) {
-        say_lines(lines, *result);
-      }
-      answer(*running, *call, std::move(result), "safe");
-    });
+    when_answered(*running, call, std::move(stopping),
+                  [running, call, lines, order](Ongoing& done) {
+                    order->end(running->deployer);
+                    rt::GuardedOutputs::of_process().send_again();
+                    const auto receipt = done.result();
+                    auto result = receipt ? Result<Json>(to_json(*receipt)) : receipt.error();
+                    if (result) {
+                      say_lines(lines, *result);
+                    }
+                    answer(*running, *call, std::move(result), "safe");
+                  });
   });
 }
 

@@ -13,6 +13,7 @@
 #include "commands/answer.h"
 #include "commands/audit.h"
 #include "commands/change/change.h"
+#include "commands/change/stop.h"
 #include "commands/lock.h"
 #include "commands/look/value.h"
 #include "commands/model.h"
@@ -46,13 +47,6 @@ std::string said(const Fault& fault) {
 /// Locked, busy, or another change was quicker: the same may succeed a moment later.
 bool is_a_matter_of_time(const Fault& fault) {
   return fault.name == to_string(Errc::conflict) || fault.name == to_string(Errc::timed_out);
-}
-
-/// Else there is nothing to prove: a late job must not undo a removal by a rule.
-bool brings_something_new(const rules::Steps& steps) {
-  return std::ranges::any_of(steps, [](const rules::Step& step) {
-    return step.action == rules::Action::swap || step.action == rules::Action::set;
-  });
 }
 
 /// For the condition of this rule.
@@ -306,6 +300,9 @@ void Supervisor::carry_out(Dispatch dispatch) {
   if (!brings_something_new(steps)) {
     call->params["probation"] = "off";
   }
+  call->on_made = [this, by = dispatch.by, rule = dispatch.rule](std::uint64_t made) {
+    makers_.remember(made, {by, rule});
+  };
   call->reply = [this, dispatch = std::move(dispatch),
                  asked = std::weak_ptr(call)](const server::Outcome& outcome) {
     const auto there = asked.lock();  // an answer that waited for the disk outlives it
@@ -316,7 +313,7 @@ void Supervisor::carry_out(Dispatch dispatch) {
   };
   const bool stops = std::ranges::all_of(
       steps, [](const auto& step) { return step.action == rules::Action::stop; });
-  auto begin = [this, call, steps = std::move(steps)](Ticket ticket) {
+  auto begin = [this, call, steps](Ticket ticket) {
     const FromLookToAct still(*running_);
     call->before = running_->generation;
     if (const auto met = check_conditions(*running_, *call); !met) {
@@ -326,6 +323,7 @@ void Supervisor::carry_out(Dispatch dispatch) {
     begin_transaction(*running_, call, steps, std::move(ticket));
   };
   if (stops) {  // which waits for no other change
+    watch_over_own_stop(*running_, call, subjects_of(steps));
     return control_.urgent([begin = std::move(begin)]() mutable { begin(nullptr); });
   }
   if (!control_.change(std::move(begin))) {
@@ -357,9 +355,7 @@ void Supervisor::conclude(const Dispatch& dispatch, const server::Outcome& outco
     }
   } else {
     const auto& receipt = std::get<Json>(outcome);
-    if (text_or(receipt, "state") == "applied") {
-      makers_.remember(receipt["generation"].get<std::uint64_t>(), {dispatch.by, dispatch.rule});
-    } else {
+    if (text_or(receipt, "state") != "applied") {
       makers_.rely(running_->deployer.probations(), dispatch.steps,
                    {"relied on " + dispatch.by, dispatch.rule});
     }

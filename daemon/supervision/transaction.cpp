@@ -2,6 +2,7 @@
 #include "supervision/transaction.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "arch/parse/transaction.h"
 #include "base/thread_role.h"
@@ -54,6 +55,18 @@ class StaysStopped final : public ChangeHooks {
 };
 
 }  // namespace
+
+bool brings_something_new(const rules::Steps& steps) {
+  return std::ranges::any_of(steps, [](const rules::Step& step) {
+    return step.action == rules::Action::swap || step.action == rules::Action::set;
+  });
+}
+
+std::vector<std::string> subjects_of(const rules::Steps& steps) {
+  std::vector<std::string> names;
+  std::ranges::transform(steps, std::back_inserter(names), &rules::Step::subject);
+  return names;
+}
 
 void begin_transaction(Running& running, const CallPtr& call, const rules::Steps& steps,
                        Ticket ticket) {

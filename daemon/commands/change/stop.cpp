@@ -45,6 +45,12 @@ Json directly(Json receipt, const std::vector<std::string>& ran) {
   return receipt;
 }
 
+Json answer_to_stop(const Call& call, const Receipt& receipt) {
+  const auto ran =
+      call.order != nullptr ? call.order->stopped_directly() : std::vector<std::string>();
+  return ran.empty() ? to_json(receipt) : directly(to_json(receipt), ran);
+}
+
 /// [stop] The books follow when [control] goes on.
 server::Outcome outcome_of(const Running& running, const DirectStop& done,
                            const std::vector<std::string>& ran) {
@@ -160,6 +166,18 @@ bool overtaken_by_stop(const Running& running, const Call& call, const Change& c
   });
 }
 
+void watch_over_own_stop(Running& running, const CallPtr& call,
+                         std::vector<std::string> components) {
+  MAUVE_ON_THREAD(control);
+  if (running.stopper == nullptr || components.empty()) {
+    return;
+  }
+  call->order = std::make_shared<StopOrder>(std::move(components), nullptr, nullptr);
+  call->order->begin();
+  call->watched = until_over(running, call->order);
+  running.stopper->watch(call->order);
+}
+
 void stop_only(Running& running, const CallPtr& call, Ticket ticket, const Change& change,
                std::shared_ptr<ChangeHooks> hooks) {
   MAUVE_ON_THREAD(control);
@@ -182,13 +200,13 @@ void stop_only(Running& running, const CallPtr& call, Ticket ticket, const Chang
   if (!stopping) {
     return answer(running, *call, stopping.error());
   }
-  when_answered(running, *std::move(stopping),
+  when_answered(running, call, *std::move(stopping),
                 [&running, call, lines, hooks, ticket = std::move(ticket)](Ongoing& done) {
                   const auto receipt = done.result();
                   if (!receipt) {
                     return answer(running, *call, receipt.error(), "safe");
                   }
-                  auto result = to_json(*receipt);
+                  auto result = answer_to_stop(*call, *receipt);
                   if (flag(result, "changed")) {
                     say_lines(lines, result);
                   }
@@ -252,25 +270,23 @@ void stop(Running& running, const CallPtr& call, Ticket /*none: it waits for no 
   if (running.store != nullptr) {
     running.store->stops().served(call->stage);
   }
-  when_answered(
-      running, *std::move(stopping), [&running, call, over, meant](Ongoing& done) mutable {
-        const auto receipt = done.result();
-        over.reset();  // [stop] does not watch it while it waits for the disk
-        if (!receipt) {
-          return answer(running, *call, receipt.error(), "safe");
-        }
-        const auto ran =
-            call->order != nullptr ? call->order->stopped_directly() : std::vector<std::string>();
-        auto result = ran.empty() ? to_json(*receipt) : directly(to_json(*receipt), ran);
-        if (ran.empty()) {
-          say_already(meant.stopped, "stopped", result);
-        }
-        say_notes(meant.away, result);
-        if (flag(result, "changed")) {
-          say_lines(meant.lines, result);
-        }
-        answer(running, *call, std::move(result));
-      });
+  when_answered(running, call, *std::move(stopping),
+                [&running, call, over, meant](Ongoing& done) mutable {
+                  const auto receipt = done.result();
+                  over.reset();  // [stop] does not watch it while it waits for the disk
+                  if (!receipt) {
+                    return answer(running, *call, receipt.error(), "safe");
+                  }
+                  auto result = answer_to_stop(*call, *receipt);
+                  if (!result.contains("directly")) {
+                    say_already(meant.stopped, "stopped", result);
+                  }
+                  say_notes(meant.away, result);
+                  if (flag(result, "changed")) {
+                    say_lines(meant.lines, result);
+                  }
+                  answer(running, *call, std::move(result));
+                });
 }
 
 }  // namespace mauve::daemon

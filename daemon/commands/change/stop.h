@@ -3,6 +3,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "commands/change/change.h"
 
@@ -12,6 +14,11 @@ namespace mauve::daemon {
 /// The stop was served first, so the change is to be refused.
 [[nodiscard]] bool overtaken_by_stop(const Running& running, const Call& call,
                                      const Change& change);
+
+/// [control] mauved itself makes the call, which stops these components. As long as the call is
+/// there, [stop] watches it as it does the stop of a user.
+void watch_over_own_stop(Running& running, const CallPtr& call,
+                         std::vector<std::string> components);
 
 /// [control] A change that only_stops(), also those that stand already, is a stop: it is never
 /// revoked, and one that does not end its job holds up no other. It is one of a user if the change
