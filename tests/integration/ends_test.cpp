@@ -98,12 +98,12 @@ constexpr std::string_view kAsk =
     R"({"jsonrpc":"2.0","id":1,"method":"component.stop","params":{"components":["base"]}})"
     "\n";
 
-/// The act from outside, or the word to the component.
-void bring_about(const End& end, const DaemonProcess& daemon, const TempDir& place,
-                 Foreign& foreign, const Json& status, const RawClient& asker) {
+/// The act from outside, or the word to the component. Those that are one system call are made by
+/// an urgent thread, since its wait for a processor is no part of the way.
+void bring_about(const End& end, DaemonProcess& daemon, const TempDir& place, Foreign& foreign,
+                 const Json& status, const RawClient& asker, Instant& begin) {
   const std::string_view name = end.name;
   const pid_t guardian = status["guardian"]["process"];
-  if (name == kGuardianStops) return static_cast<void>(kill(guardian, SIGSTOP));
   if (name == kForeign) return foreign.begin(cpu_of_driver(status));
   if (name == kStopAsked) {
     EXPECT_TRUE(asker.send(kAsk));
@@ -113,6 +113,10 @@ void bring_about(const End& end, const DaemonProcess& daemon, const TempDir& pla
   if (name == kStopAll) return static_cast<void>(daemon.ask({"stop", "--all"}));
   if (name == kStopSource) return static_cast<void>(daemon.ask({"stop", "cruise"}));
   place.write("next", end.name);
+  const rt::Boost urgent(kAboveAll);
+  begin = MonotonicClock().now();
+  if (end.signal != 0) return daemon.process().signal(end.signal);
+  if (name == kGuardianStops) return static_cast<void>(kill(guardian, SIGSTOP));
   std::filesystem::rename(place / "next", place / "how");
 }
 
@@ -145,12 +149,8 @@ std::optional<double> end_one(const End& end, const MemoryGroup& group) {
   }
   const RawClient asker(daemon.socket());  // mauvectl is a program that has to start first
   base.measure();
-  const Instant begin = MonotonicClock().now();
-  if (end.signal != 0) {
-    daemon.process().signal(end.signal);
-  } else {
-    bring_about(end, daemon, place, foreign, status, asker);
-  }
+  Instant begin = MonotonicClock().now();
+  bring_about(end, daemon, place, foreign, status, asker, begin);
   const bool stood = eventually(
       [&] {
         const Instant since = base.stands_since();
