@@ -8,6 +8,7 @@
 #include "commands/look/notice.h"
 #include "commands/model.h"
 #include "commands/recovery/unproven.h"
+#include "commands/say.h"
 #include "commands/stops.h"
 #include "state/state_store.h"
 
@@ -19,25 +20,18 @@ bool some_change_is_on_probation(const Running& running) {
   return running.deployer.on_probation() || !running.places.empty();
 }
 
-/// The generation that the command made; 0: none.
-std::uint64_t generation_made(const Json& result) {
-  const bool by_change =
-      result.contains("undone") || (result.contains("commit") && !result.contains("directly"));
-  return by_change && flag(result, "changed") ? result["generation"].get<std::uint64_t>() : 0;
-}
-
 /// [control] Saves the running system, then adds a line with the request and its outcome to the
-/// audit log. `made`: the generation that the command made. The one in force may be that of another
-/// change, whose answer comes later and names its author.
-void keep(Running& running, const Call& call, std::uint64_t made, std::optional<Confirmation> mark,
-          Json line, std::function<void(bool saved)> then) {
+/// audit log. The generation in force may be that of another change, whose answer comes later,
+/// names its author and marks it.
+void keep(Running& running, const Call& call, std::optional<Confirmation> mark, Json line,
+          std::function<void(bool saved)> then) {
   MAUVE_ON_THREAD(control);
   const StandStill still(running);
   Generation about;
   about.number = running.deployer.generation();
   about.boot = running.boot;
   about.time = logging::utc(std::chrono::system_clock::now());
-  if (made == about.number) {
+  if (call.made == about.number) {
     about.uid = call.caller.peer.uid;
     about.command = call.method->name;
     about.reason = text_or(call.params, "reason");
@@ -58,9 +52,9 @@ void keep(Running& running, const Call& call, std::uint64_t made, std::optional<
                       running.deployer.generation(/*before_stops=*/true));
 }
 
-void remember_author(Running& running, const Call& call, const Json& result, std::uint64_t made) {
-  if (made > running.author.generation) {
-    running.author = {made, call.caller.peer.uid, std::string(call.method->name),
+void remember_author(Running& running, const Call& call, const Json& result) {
+  if (call.made > running.author.generation) {
+    running.author = {call.made, call.caller.peer.uid, std::string(call.method->name),
                       changes_of(result), text_or(call.params, "reason")};
   }
 }
@@ -87,22 +81,40 @@ void remember_change(Running& running, const Call& call, const Json& result,
 
 /// A stop or a start proves nothing by itself: it continues the proof of the start before it.
 void continue_proof(Running& running, const Call& call) {
-  const auto generation = running.deployer.generation();
-  if (!call.mark && generation != call.before) {
-    carry_unproven(running, generation);
+  if (!call.mark && call.made != 0 && call.made == running.deployer.generation()) {
+    carry_unproven(running, call.made);
   }
+}
+
+/// The mark of a call belongs to the generation that the call made.
+std::optional<Confirmation> mark_of_its(Running& running, const Call& call) {
+  const bool is_later = call.made != running.deployer.generation();
+  if (is_later && call.mark == Confirmation::confirmed && call.made != 0) {
+    running.proofs.confirmed(call.made);
+  }
+  return is_later ? std::nullopt : call.mark;
+}
+
+/// [disk] A failure, or another change, may have made a generation before this one was saved.
+void say_followed(const StateStore& store, std::uint64_t made, Json& result) {
+  if (made == 0 || store.generations().find(made)) {
+    return;
+  }
+  const auto number = std::to_string(made);
+  say_notes({"a later generation came before generation " + number +
+             " was saved, so the history has no generation " + number},
+            result);
 }
 
 /// [control] The answer states whether the change was also saved, so it waits for the disk; that of
 /// a stop waits for the list of stops only.
 void answer_applied(Running& running, const Call& call, Json result) {
   MAUVE_ON_THREAD(control);
-  const auto generation = running.deployer.generation();
   // The one in force may be a rollback of this change already, or of another one.
-  const auto its = result.emplace("generation", generation).first->get<std::uint64_t>();
-  const auto made = generation_made(result);
+  const auto its =
+      result.emplace("generation", running.deployer.generation()).first->get<std::uint64_t>();
   if (!call.method->harmless()) {
-    remember_author(running, call, result, made);
+    remember_author(running, call, result);
     remember_change(running, call, result, its);
   }
   if (const auto lines = result.find("lines");
@@ -115,13 +127,18 @@ void answer_applied(Running& running, const Call& call, Json result) {
   if (running.store == nullptr) {
     return call.reply(std::move(result));
   }
+  const auto mark = mark_of_its(running, call);
   if (call.method->out_of_band()) {
-    keep(running, call, made, call.mark, std::move(line), {});
+    keep(running, call, mark, std::move(line), {});
     return reply_when_saved(running, call, std::move(result));
   }
-  keep(running, call, made, call.mark, std::move(line),
-       [reply = call.reply, result = std::move(result)](bool saved) mutable {
+  keep(running, call, mark, std::move(line),
+       [reply = call.reply, store = running.store, made = call.made,
+        result = std::move(result)](bool saved) mutable {
          result["saved"] = saved;
+         if (saved) {
+           say_followed(*store, made, result);
+         }
          reply(std::move(result));
        });
 }
@@ -156,16 +173,15 @@ void answer_fault(Running& running, const Call& call, Fault fault) {
     if (line && running.store != nullptr && fault.state != "unchanged") {
       // No start may use a mixture of old and new.
       const bool mixed = fault.state == "partly";
-      const auto mark = mixed ? std::optional(Confirmation::unconfirmed) : call.mark;
+      const auto mark =
+          mixed ? std::optional(Confirmation::unconfirmed) : mark_of_its(running, call);
       if (mixed) {
         running.proofs.undecided(running.deployer.generation());
       }
       if (call.method->effect == protocol::Effect::stops) {
         continue_proof(running, call);  // a component that hangs stops later
       }
-      // It made the generation in force, unless that was there before.
-      const auto now = running.deployer.generation();
-      keep(running, call, now == call.before ? 0 : now, mark, *std::move(line), {});
+      keep(running, call, mark, *std::move(line), {});
     } else if (line && running.store != nullptr) {
       running.store->audit(*line);
     }

@@ -166,6 +166,9 @@ struct Call {
   server::Reply reply;
   std::chrono::steady_clock::time_point received;
   std::uint64_t before = 0;  ///< the generation that the request met
+  std::uint64_t made = 0;    ///< the generation that its change has made; 0: none yet
+  /// [control] Its change has made this one. The answer comes later, when that is saved.
+  std::function<void(std::uint64_t made)> on_made = {};
   /// How often each component was stopped by request when this one began: see Running::stops.
   std::optional<std::map<std::string, std::uint64_t>> stops = std::nullopt;
   /// The mark of the generation that the call makes. Nothing: it has the mark of the generation
@@ -174,7 +177,8 @@ struct Call {
   /// See check_conditions(). Copies share it.
   std::shared_ptr<std::atomic<Stage>> stage = std::make_shared<std::atomic<Stage>>(Stage::waiting);
   bool confirms = false;  ///< the generation that runs is confirmed before the answer
-  std::shared_ptr<StopOrder> order = nullptr;       ///< of component.stop, where it is watched
+  std::shared_ptr<StopOrder> order = nullptr;       ///< of a stop, where it is watched
+  std::shared_ptr<void> watched = nullptr;          ///< ends that order; of a stop by mauved itself
   std::shared_ptr<SavedStop> saved_stop = nullptr;  ///< of component.stop, where stops are saved
   bool keeps_a_thread = false;                      ///< a hook did not return, and keeps a thread
 };

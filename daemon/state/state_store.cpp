@@ -133,6 +133,10 @@ void StateStore::keep(Generation about, Value architecture, Json line,
       saved = mark_now(about.number, Confirmation::confirmed);
     }
     line["saved"] = saved;
+    const auto its = line.find("generation");
+    if (saved && its != line.end() && !generations_->find(its->get<std::uint64_t>())) {
+      line["saved_as"] = about.number;
+    }
     write_lines(protocol::to_line(line));
     if (then) {
       then(saved);
@@ -188,7 +192,11 @@ void StateStore::write_waiting() {
 }
 
 void StateStore::mark(std::uint64_t generation, Confirmation mark) {
-  disk_.post_urgent([this, generation, mark] { mark_now(generation, mark); });
+  disk_.post_urgent([this, generation, mark] {
+    if (generations_->find(generation)) {  // else another one came before it was saved
+      mark_now(generation, mark);
+    }
+  });
 }
 
 /// [disk]

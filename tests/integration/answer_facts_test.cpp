@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // Further facts in the answer to a change: components that do not run, values that differ now.
+#include <set>
+
 #include "base/duration.h"
+#include "kept_daemon.h"
 #include "mauve/host/value.h"
-#include "trial_daemon.h"
 
 namespace mauve::test {
 namespace {
@@ -57,6 +59,26 @@ TEST(Swap, WithDefaultsChangesValuesAndSoIsRefusedWhileParamsAreLocked) {
 
   EXPECT_EQ(daemon.ask("core.swap", defaults)["data"]["name"], "conflict");
   EXPECT_EQ(daemon.ask("core.swap", swap_first("trial/other"))["state"], "applied");
+}
+
+/// The core fails in its first job, and the fallback core may be in force before the answer.
+TEST_F(Generations, AreInTheHistoryWhenTheirAnswerSaysSavedUnlessItNamesTheOneThatFollowed) {
+  auto falls_back = Json::parse(std::string(kTrial));
+  falls_back["components"]["first"]["task"]["on_fault"] = "fallback";
+  falls_back["components"]["first"]["fallback_core"] = "trial/other";
+  TrialDaemon daemon(falls_back.dump(), options());
+
+  for (int i = 0; i < 8; ++i) {
+    const auto answer = daemon.ask("core.swap", swap_first("trial/throwing_job", "off"));
+    ASSERT_EQ(answer["saved"], true) << answer;
+    std::set<std::uint64_t> kept;
+    const auto history = daemon.ask("config.history");
+    for (const auto& row : history["items"]) kept.insert(row["generation"].get<std::uint64_t>());
+    const auto said = answer.value("notes", Json::array()).dump();
+    const bool named = said.find("so the history has no generation") != std::string::npos;
+    EXPECT_NE(kept.contains(answer["generation"]), named) << answer << history;
+    static_cast<void>(daemon.ask("quarantine.release", {{"core", "trial/throwing_job"}}));
+  }
 }
 
 TEST(Start, OfWhatRunsAndStopOfWhatIsStoppedSayThatItIsSo) {

@@ -153,6 +153,17 @@ TEST_F(Generations, OfAStartAreConfirmedWhenNothingFailed) {
   })) << "it runs again what was started";
 }
 
+TEST_F(Generations, OfAStartAreNotConfirmedByAChangeThatChangesNothing) {
+  TrialDaemon daemon(kTrial, options());
+
+  const auto same = daemon.ask("param.set", gain(1.0));
+
+  EXPECT_EQ(same["changed"], false) << same;
+  EXPECT_EQ(same["saved"], true) << same;
+  EXPECT_EQ(newest(daemon)["mark"], "unconfirmed");
+  EXPECT_EQ(newest(daemon)["command"], "start");
+}
+
 /// Generation 2 is good; what a file brings crashes again and again, each time after it was
 /// confirmed.
 TEST_F(Generations, ThatCrashThriceInARowArePassedOverAndPushNobodyOut) {

@@ -65,6 +65,24 @@ TEST(PlaceProbation, IsShownConfirmedAndUndone) {
   EXPECT_TRUE(has_core(daemon, "trial/other"));
 }
 
+/// Whether the undo or the look of [health] comes first, the core that failed is in quarantine.
+TEST(PlaceProbation, IsARollbackByItsFailureAlsoWhenAUserAsksForItsUndo) {
+  for (int i = 0; i < 5; ++i) {
+    TrialDaemon daemon;
+    static_cast<void>(daemon.client());
+    ASSERT_EQ(daemon.ask("core.swap", place_swap("trial/throwing_job"))["state"], "applied");
+    ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] != "running"; }) ||
+                has_core(daemon, "trial/steady"));
+
+    static_cast<void>(daemon.ask("change.undo"));
+
+    ASSERT_TRUE(has_core(daemon, "trial/steady")) << daemon.errors();
+    const auto cores = daemon.ask("quarantine.list")["cores"];
+    ASSERT_EQ(cores.size(), 1U) << daemon.errors();
+    EXPECT_EQ(cores[0]["core"], "trial/throwing_job");
+  }
+}
+
 TEST(PlaceProbation, GoesBackUnlessItIsConfirmedInItsTime) {
   TrialDaemon daemon;
   static_cast<void>(daemon.client());

@@ -87,12 +87,9 @@ void StormOracle::check_saved(const Json& items) {
   const std::uint64_t from = there.size() > kFar ? *oldest : 0;
   for (auto it = made_.lower_bound(from); it != made_.end(); ++it) {
     const Made& made = it->second;
-    // The rollback of a core that fails at once may be in force before the answer.
-    const bool may_lack =
-        made.stops || made.method == "core.swap" || made.method == "plugin.reload";
     if (made.saved && !there.contains(made.generation)) {
       ++missing_[made.method];
-      if (!may_lack) {
+      if (!made.stops && !made.passed) {
         violate_("generation " + std::to_string(made.generation) + " of " + made.method +
                  " was answered as saved and is not in the history");
       }

@@ -62,7 +62,8 @@ class StormOracle {
     std::uint64_t generation = 0;
     std::string method;
     bool saved = false;
-    bool stops = false;  ///< it only stops, and is saved itself before its generation is
+    bool stops = false;   ///< it only stops, and is saved itself before its generation is
+    bool passed = false;  ///< the answer says that a later generation was saved in its place
   };
   void made(const Made& one) {
     const std::lock_guard lock(mutex_);

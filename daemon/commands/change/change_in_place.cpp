@@ -24,7 +24,7 @@ void end_in_place(Running& running, const CallPtr& call, ChangeRequestPtr reques
   const auto& probation = request->change.probation;
   const bool in_force = receipt || receipt.error().code == Errc::partly;
   if (in_force && probation) {
-    const auto made = receipt ? receipt->generation : running.deployer.generation();
+    const auto made = receipt ? receipt->generation : call->made;
     begin_place_probation(running, *call, made, name, request->before, *probation);
   } else if (in_force) {
     begin_unproven(running, *call, {request->before.failure});
@@ -45,7 +45,7 @@ void resume_in_place(Running& running, const CallPtr& call, ChangeRequestPtr req
   if (!resumed) {
     return end_in_place(running, call, request, std::move(ticket), resumed.error());
   }
-  when_answered(running, *std::move(resumed),
+  when_answered(running, call, *std::move(resumed),
                 [&running, call, request, ticket = std::move(ticket)](Ongoing& done) mutable {
                   auto receipt = done.result();
                   request->retired = std::move(done.retired());
@@ -100,7 +100,7 @@ void park_in_place(Running& running, const CallPtr& call, ChangeRequestPtr reque
                        member.state, request->notes);
   }
   auto parking = running.deployer.begin_in_place_park(**request->prepared);
-  when_answered(running, std::move(parking),
+  when_answered(running, call, std::move(parking),
                 [&running, call, request, ticket = std::move(ticket)](Ongoing& done) mutable {
                   if (const auto parked = done.result(); !parked) {
                     answer(running, *call, parked.error(), state_after(parked.error()));

@@ -141,7 +141,7 @@ void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
   ChangeHooks* const hooks = request.hooks.get();
   const bool in_force = receipt || receipt.error().code == Errc::partly;
   if (hooks != nullptr && in_force) {
-    hooks->in_force(receipt ? receipt->generation : running.generation.load());
+    hooks->in_force(receipt ? receipt->generation : call.made);
   }
   if (!receipt) {
     return answer(running, call, receipt.error(), state);

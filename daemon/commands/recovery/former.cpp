@@ -90,11 +90,10 @@ void let_go(Running& running, std::shared_ptr<Library> library, std::string text
       {std::move(library), std::chrono::steady_clock::now(), std::move(text)});
 }
 
-void keep_former(Running& running, plugin::LoadedPlugin former) {
+void keep_former(Running& running, std::uint64_t generation, plugin::LoadedPlugin former) {
   MAUVE_ON_THREAD(control);
   const std::string name = former.info().name;
-  running.former.kept.insert_or_assign(
-      name, Former::Kept{running.deployer.generation(), std::move(former)});
+  running.former.kept.insert_or_assign(name, Former::Kept{generation, std::move(former)});
 }
 
 std::vector<std::string> notes_on_files(const Running& running,

@@ -50,7 +50,7 @@ void clean_up(Running& running, Retired& retired);
 [[nodiscard]] Status check_former(const Running& running, const std::string& plugin);
 
 /// [control] The reload that made the generation in force is on probation.
-void keep_former(Running& running, plugin::LoadedPlugin former);
+void keep_former(Running& running, std::uint64_t generation, plugin::LoadedPlugin former);
 
 /// [control] The code of this library has no names any more. Its memory is freed when no thread
 /// looks at it; the log then says `text`.

@@ -87,10 +87,14 @@ std::string already_undone(const Running& running, std::uint64_t generation) {
 
 bool is_rolling_back(const Running& running, std::uint64_t generation) {
   MAUVE_ON_THREAD(control);
-  return std::ranges::any_of(running.deployer.probations(), [&](const OpenProbation& open) {
-    return open.rolls_back &&
-           std::ranges::find(open.generations, generation) != open.generations.end();
+  const auto in_place = std::ranges::any_of(running.places, [&](const PlaceProbation& place) {
+    return place.rolls_back && place.generation == generation;
   });
+  return in_place ||
+         std::ranges::any_of(running.deployer.probations(), [&](const OpenProbation& open) {
+           return open.rolls_back &&
+                  std::ranges::find(open.generations, generation) != open.generations.end();
+         });
 }
 
 Error nothing_to_undo(const Running& running, std::uint64_t generation) {

@@ -340,7 +340,7 @@ Status undo_place(Running& running, const PlaceTarget& target, const std::string
   const auto found =
       std::ranges::find(running.places, target.generation, &PlaceProbation::generation);
   const PlaceFailure undone{reason, std::nullopt, stops_of_component(running, target.component)};
-  if (found->rolls_back || roll_back(running, *found, undone)) {
+  if (roll_back(running, *found, found->failure.value_or(undone))) {
     return ok();
   }
   return refuse({Errc::conflict, "change_under_way_elsewhere"}, target.component,

@@ -168,9 +168,10 @@ Status may_undo(const Running& running, const Call& call, const ChangeOnProbatio
 }
 
 /// `undone`: the generation of the newest change that went back.
-void answer_undone(Running& running, const Call& call, std::uint64_t undone, Json result) {
+void answer_undone(Running& running, Call& call, std::uint64_t undone, Json result) {
   const auto* rollback = running.rollbacks.of(undone);
-  result["generation"] = rollback == nullptr ? running.generation.load() : rollback->generation;
+  call.made = rollback == nullptr ? running.generation.load() : rollback->generation;
+  result["generation"] = call.made;
   result["changed"] = true;
   result["state"] = "applied";
   answer(running, call, std::move(result));
@@ -220,6 +221,7 @@ void begin_undo(Running& running, const CallPtr& call, const ChangeOnProbation& 
   if (auto met = check_conditions(running, *call); !met) {
     return answer(running, *call, met.error());
   }
+  note_place_failures(running);
   const auto newest = meant_by(running, wanted_generation(*call));
   if (newest.generations != wanted.generations) {
     return answer(running, *call, not_the_newest(wanted, newest));
@@ -233,10 +235,12 @@ void begin_undo(Running& running, const CallPtr& call, const ChangeOnProbation& 
   }
   const auto reason = text_or(call->params, "reason");
   const auto text = std::string(kUndone) + (reason.empty() ? " by request" : ": " + reason);
-  if (newest.place) {
+  const bool goes_back =
+      !newest.generations.empty() && is_rolling_back(running, newest.generations.back());
+  if (newest.place && !goes_back) {
     return undo_in_place(running, call, *newest.place, std::move(result), text);
   }
-  if (newest.generations.empty() || !running.deployer.undo(text, newest.generations)) {
+  if (newest.generations.empty() || goes_back || !running.deployer.undo(text, newest.generations)) {
     return answer(running, *call, nothing_to_undo(running, wanted_generation(*call)));
   }
   running.rollbacks.ask(newest.generations.back(), {call->caller.peer.uid, reason});
@@ -259,7 +263,7 @@ Status check_kept(Running& running) {
                   "the newest change is being rolled back, so there is nothing to confirm",
                   "mauvectl logs shows the cause");
   }
-  const auto now = running.deployer.generation();
+  const auto now = running.deployer.generation(/*before_stops=*/true);
   if (running.rollback != now) {
     return ok();
   }

@@ -51,15 +51,14 @@ class NewBuild final : public ChangeHooks {
 
   [[nodiscard]] std::optional<std::vector<arch::Line>> lines() const override { return lines_; }
 
-  void in_force(std::uint64_t /*generation*/) override {
+  void in_force(std::uint64_t generation) override {
     auto former = running_.catalog.exchange(std::move(**loaded_));
     if (!former) {
       why_ = "the new code runs, and the names of the plugin stay with the older build: " +
              to_string(former.error());
-    } else if (*former && is_place_on_probation()) {
-      keep_former(running_, **std::move(former));
-      why_ = "it is kept until the probation of generation " +
-             std::to_string(running_.deployer.generation()) + " ends";
+    } else if (*former && is_place_on_probation(generation)) {
+      keep_former(running_, generation, **std::move(former));
+      why_ = "it is kept until the probation of generation " + std::to_string(generation) + " ends";
     } else if (*former) {
       let_go(running_, (*former)->library(), "replaced by a new one");
       why_ = "it leaves the memory when no thread looks at it any more, and the log says so";
@@ -76,9 +75,9 @@ class NewBuild final : public ChangeHooks {
   }
 
  private:
-  [[nodiscard]] bool is_place_on_probation() const {
-    return std::ranges::find(running_.places, running_.deployer.generation(),
-                             &PlaceProbation::generation) != running_.places.end();
+  [[nodiscard]] bool is_place_on_probation(std::uint64_t generation) const {
+    return std::ranges::find(running_.places, generation, &PlaceProbation::generation) !=
+           running_.places.end();
   }
 
   Running& running_;
