@@ -7,6 +7,7 @@
 #include <optional>
 #include <string_view>
 
+#include <mauve/detail/element_type.h>
 #include <mauve/host/ongoing.h>
 #include <mauve/host/prepared_change.h>
 #include <mauve/result.h>
