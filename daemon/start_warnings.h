@@ -8,6 +8,7 @@
 
 #include "log/log.h"
 #include "mauve/host/deployer.h"
+#include "plugin/load/library.h"
 #include "rules/supervision.h"
 #include "state/builds.h"
 

@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Lets clang read every source, and every header alone, with all warnings as errors.
 
-Usage: clang_check.py BUILD_FOLDER [OTHER_FOLDER]
+Usage: clang_check.py BUILD_FOLDER [OTHER_FOLDER | K/N]
 
 BUILD_FOLDER is configured, with compile_commands.json. Reading finds the errors that a build finds; no code is
 made, which halves the time. A source whose object is in OTHER_FOLDER, where clang has built it with the same
-warnings, is not read again.
+warnings, is not read again. K/N: only part K of N, counted from 0.
 """
 import concurrent.futures
 import json
@@ -32,7 +32,10 @@ def built(entry, other):
 
 def main():
     entries = json.loads((pathlib.Path(sys.argv[1]) / "compile_commands.json").read_text("utf-8"))
-    if len(sys.argv) > 2:
+    if len(sys.argv) > 2 and "/" in sys.argv[2] and sys.argv[2][0].isdigit():
+        part, parts = map(int, sys.argv[2].split("/"))
+        entries = entries[part::parts]
+    elif len(sys.argv) > 2:
         entries = [entry for entry in entries if not built(entry, pathlib.Path(sys.argv[2]))]
     wrong = 0
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as workers:

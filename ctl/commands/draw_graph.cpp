@@ -9,6 +9,7 @@
 #include "commands/actions.h"
 #include "picture/graph.h"
 #include "picture/machine.h"
+#include "render/table.h"
 #include "render/words.h"
 
 namespace mauve::ctl {

@@ -8,6 +8,7 @@
 
 #include "base/size.h"
 #include "mtrace/trace.h"
+#include "render/table.h"
 
 namespace mauve::ctl {
 namespace {

@@ -89,7 +89,8 @@ void continue_proof(Running& running, const Call& call) {
 /// The mark of a call belongs to the generation that the call made.
 std::optional<Confirmation> mark_of_its(Running& running, const Call& call) {
   const bool is_later = call.made != running.deployer.generation();
-  if (is_later && call.mark == Confirmation::confirmed && call.made != 0) {
+  const bool proven = call.mark == Confirmation::confirmed && !some_change_is_on_probation(running);
+  if (is_later && proven && call.made != 0) {
     running.proofs.confirmed(call.made);
   }
   return is_later ? std::nullopt : call.mark;

@@ -9,6 +9,7 @@
 #include "commands/recovery/quarantine.h"
 #include "exec/system/prepared.h"
 #include "judge/judgement.h"
+#include "mauve/fsm.h"
 
 namespace mauve::daemon {
 

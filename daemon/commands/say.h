@@ -15,8 +15,8 @@ namespace mauve::daemon {
 /// [any] Adds `lines` to the result, where there are any and none stand there yet.
 void say_lines(const std::vector<arch::Line>& lines, Json& result);
 
-/// [control] A change on probation is about to make these differences. A rollback of it can be
-/// shown before its answer is.
+/// [control] A change on probation, which is under way, makes these differences. A rollback of it
+/// can be shown before its answer is.
 void expect_lines(Running& running, const std::shared_ptr<const Ongoing>& change,
                   const std::vector<arch::Line>& lines);
 /// [control] It has ended, also partly, and made this generation; 0: none.

@@ -8,6 +8,7 @@
 #include "commands/answer.h"
 #include "commands/audit.h"
 #include "commands/change/change.h"
+#include "commands/change/stop.h"
 #include "commands/model.h"
 #include "commands/say.h"
 #include "commands/stops.h"
@@ -125,6 +126,7 @@ void Guardian::stop_all() {
     const FromLookToAct still(*running);
     note_place_failures(*running);
     const auto call = call_by_itself(*running, cause);
+    call->order = order;
     std::vector<arch::Line> lines;
     std::vector<std::string> runs;
     for (const auto* component : running->architecture.components()) {
@@ -140,17 +142,17 @@ void Guardian::stop_all() {
     const UserStop by{0, logging::utc(std::chrono::system_clock::now()), 0, cause};
     auto stopping = running->deployer.begin_stop_all(2s, by);
     static_cast<void>(save_stops(*running));
-    when_answered(*running, call, std::move(stopping),
-                  [running, call, lines, order](Ongoing& done) {
-                    order->end(running->deployer);
-                    rt::GuardedOutputs::of_process().send_again();
-                    const auto receipt = done.result();
-                    auto result = receipt ? Result<Json>(to_json(*receipt)) : receipt.error();
-                    if (result) {
-                      say_lines(lines, *result);
-                    }
-                    answer(*running, *call, std::move(result), "safe");
-                  });
+    when_answered(
+        *running, call, std::move(stopping), [running, call, lines, order](Ongoing& done) {
+          order->end(running->deployer);
+          rt::GuardedOutputs::of_process().send_again();
+          const auto receipt = done.result();
+          auto result = receipt ? Result<Json>(answer_to_stop(*call, *receipt)) : receipt.error();
+          if (result) {
+            say_lines(lines, *result);
+          }
+          answer(*running, *call, std::move(result), "safe");
+        });
   });
 }
 

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "mauve/host/architecture.h"
 #include "notify.h"
 
 namespace mauve::daemon {

@@ -193,7 +193,8 @@ void StateStore::write_waiting() {
 
 void StateStore::mark(std::uint64_t generation, Confirmation mark) {
   disk_.post_urgent([this, generation, mark] {
-    if (generations_->find(generation)) {  // else another one came before it was saved
+    // Another generation may have come before this one was saved.
+    if (generation == newest_ || generations_->find(generation)) {
       mark_now(generation, mark);
     }
   });

@@ -320,6 +320,10 @@ void Supervisor::carry_out(Dispatch dispatch) {
       return answer(*running_, *call, met.error());
     }
     if (ticket != nullptr) control_.works_for(std::nullopt);
+    // Those that [stop] has parked meanwhile would look as if nothing was to be done.
+    if (call->order != nullptr && !call->order->stopped_directly().empty()) {
+      return stop_only(*running_, call, nullptr, change_that_parks(subjects_of(steps)));
+    }
     begin_transaction(*running_, call, steps, std::move(ticket));
   };
   if (stops) {  // which waits for no other change

@@ -68,6 +68,15 @@ std::vector<std::string> subjects_of(const rules::Steps& steps) {
   return names;
 }
 
+Change change_that_parks(const std::vector<std::string>& components) {
+  Change change;
+  for (const auto& component : components) {
+    change.edits.push_back(edit_of(component));
+    change.edits.back().mode = Mode::park;
+  }
+  return change;
+}
+
 void begin_transaction(Running& running, const CallPtr& call, const rules::Steps& steps,
                        Ticket ticket) {
   MAUVE_ON_THREAD(control);

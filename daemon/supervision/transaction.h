@@ -16,6 +16,8 @@ namespace mauve::daemon {
 /// The first name of each step.
 [[nodiscard]] std::vector<std::string> subjects_of(const rules::Steps& steps);
 
+[[nodiscard]] Change change_that_parks(const std::vector<std::string>& components);
+
 /// [control] Makes the change of these steps. A change of the same components that waits for its
 /// confirmation gives way: it is rolled back first, since nobody may be there to confirm it.
 void begin_transaction(Running& running, const CallPtr& call, const rules::Steps& steps,

@@ -44,17 +44,21 @@ class WriteTimes {
   void came(std::size_t frames) {
     const std::lock_guard hold(lock_);
     while (written_.size() > frames) written_.pop_front();
+    last_ = 0;
   }
-  /// Of the next one of them; `now` where no notice of it is here.
+  /// Of the next one of them; `now` where no notice of it is here. Of several frames without
+  /// notices of their own, the call that wrote the one before wrote them too.
   [[nodiscard]] Instant next(Instant now) {
     const std::lock_guard hold(lock_);
-    if (written_.empty()) {
+    if (!written_.empty()) {
+      last_ = written_.front();
+      written_.pop_front();
+    } else if (last_ == 0) {
       ++early_;
+      early_at_ = now;
       return now;
     }
-    const Instant written = written_.front();
-    written_.pop_front();
-    return written;
+    return last_;
   }
   /// No frame came for a while, and none is held up: all that was noticed has come.
   void rest() {
@@ -67,6 +71,9 @@ class WriteTimes {
   void measure() { measures_ = true; }
 
  private:
+  /// A frame comes so much before its notice at most.
+  static constexpr Instant kNotLater = 5'000'000;  // ns
+
   void run() {
     std::array<char, 4096> some{};
     while (!quit_) {
@@ -74,6 +81,7 @@ class WriteTimes {
       if (poll(&come, 1, 5) <= 0 || read(notices_, some.data(), some.size()) <= 0) continue;
       const Instant now = MonotonicClock().now();
       const std::lock_guard hold(lock_);
+      if (now - early_at_ > kNotLater) early_ = 0;  // the kernel has joined two notices
       if (early_ == 0) written_.push_back(now);
       if (early_ > 0) --early_;  // its frame came before it
     }
@@ -82,7 +90,9 @@ class WriteTimes {
   int notices_;
   std::mutex lock_;
   std::deque<Instant> written_;
+  Instant last_ = 0;  // of the frame before, of those that came at once
   std::size_t early_ = 0;
+  Instant early_at_ = 0;
   std::atomic<bool> measures_{false};
   std::atomic<bool> quit_{false};
   rt::Thread thread_;

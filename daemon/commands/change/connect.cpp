@@ -4,6 +4,7 @@
 #include "commands/answer.h"
 #include "commands/change/change.h"
 #include "commands/model.h"
+#include "mauve/host/architecture.h"
 #include "mauve/service.h"
 #include "model/port/connection.h"
 

@@ -4,6 +4,7 @@
 #include "commands/change/change.h"
 #include "commands/change/change_request.h"
 #include "commands/look/named.h"
+#include "commands/model.h"
 #include "commands/recovery/quarantine.h"
 #include "commands/say.h"
 #include "mauve/host/architecture.h"

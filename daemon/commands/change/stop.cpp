@@ -45,12 +45,6 @@ Json directly(Json receipt, const std::vector<std::string>& ran) {
   return receipt;
 }
 
-Json answer_to_stop(const Call& call, const Receipt& receipt) {
-  const auto ran =
-      call.order != nullptr ? call.order->stopped_directly() : std::vector<std::string>();
-  return ran.empty() ? to_json(receipt) : directly(to_json(receipt), ran);
-}
-
 /// [stop] The books follow when [control] goes on.
 server::Outcome outcome_of(const Running& running, const DirectStop& done,
                            const std::vector<std::string>& ran) {
@@ -157,6 +151,13 @@ Json planned(const Running& running, const Meant& meant) {
 
 }  // namespace
 
+Json answer_to_stop(const Call& call, const Receipt& receipt) {
+  MAUVE_ON_THREAD(control);
+  const auto ran =
+      call.order != nullptr ? call.order->stopped_directly() : std::vector<std::string>();
+  return ran.empty() ? to_json(receipt) : directly(to_json(receipt), ran);
+}
+
 bool overtaken_by_stop(const Running& running, const Call& call, const Change& change) {
   MAUVE_ON_THREAD(control);
   return std::any_of(change.edits.begin(), change.edits.end(), [&](const Edit& edit) {
@@ -192,8 +193,13 @@ void stop_only(Running& running, const CallPtr& call, Ticket ticket, const Chang
     }
     lines.push_back(arch::make_line("start", edit.member + ".start", true, false));
   }
+  std::vector<std::string> ran;
   for (const auto& name : names) {
     ++running.stops[name];
+    if (running.deployer.status(name).state != ComponentState::stopped) ran.push_back(name);
+  }
+  if (call->order != nullptr) {
+    call->order->found(std::move(ran));
   }
   auto stopping = running.deployer.begin_stop(
       names, change.stops.empty() ? std::nullopt : std::optional(change.stopped_by));
@@ -203,6 +209,7 @@ void stop_only(Running& running, const CallPtr& call, Ticket ticket, const Chang
   when_answered(running, call, *std::move(stopping),
                 [&running, call, lines, hooks, ticket = std::move(ticket)](Ongoing& done) {
                   const auto receipt = done.result();
+                  call->watched.reset();
                   if (!receipt) {
                     return answer(running, *call, receipt.error(), "safe");
                   }

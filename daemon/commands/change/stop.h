@@ -15,6 +15,9 @@ namespace mauve::daemon {
 [[nodiscard]] bool overtaken_by_stop(const Running& running, const Call& call,
                                      const Change& change);
 
+/// [control] Of a stop that is over. It names those that [stop] parked, which [control] met parked.
+[[nodiscard]] Json answer_to_stop(const Call& call, const Receipt& receipt);
+
 /// [control] mauved itself makes the call, which stops these components. As long as the call is
 /// there, [stop] watches it as it does the stop of a user.
 void watch_over_own_stop(Running& running, const CallPtr& call,

@@ -49,7 +49,7 @@ void clean_up(Running& running, Retired& retired);
 /// [control] Refused while a reload of this plugin is on probation: only one former build is kept.
 [[nodiscard]] Status check_former(const Running& running, const std::string& plugin);
 
-/// [control] The reload that made the generation in force is on probation.
+/// [control] The reload that made this generation is on probation.
 void keep_former(Running& running, std::uint64_t generation, plugin::LoadedPlugin former);
 
 /// [control] The code of this library has no names any more. Its memory is freed when no thread

@@ -16,19 +16,17 @@ namespace {
 
 constexpr std::string_view kReload = "plugin.reload";
 
-/// The saved generation before the one that runs; 0: there is none. One that was rolled back is not
-/// meant, and neither is one before a reload: a generation has no code.
+/// The generation before the one that runs, or before the stops that made it, if it is saved; 0:
+/// there is none. One that was rolled back is not meant, and neither is one before a reload: a
+/// generation has no code.
 std::uint64_t saved_before(const Running& running) {
   if (running.store == nullptr || running.author.command == kReload) {
     return 0;
   }
-  for (const auto& saved : running.store->generations().list()) {  // the newest first
-    const bool usable = !saved.damaged && saved.mark != Confirmation::rolled_back;
-    if (usable && saved.number < running.deployer.generation()) {
-      return saved.number;
-    }
-  }
-  return 0;
+  const auto now = running.deployer.generation();
+  const auto before = std::min(running.deployer.generation(/*before_stops=*/true), now - 1);
+  const auto mark = running.store->generations().mark_of(before);
+  return mark && *mark != Confirmation::rolled_back ? before : 0;
 }
 
 /// A reload changes code only, which no rollback brings back.

@@ -18,6 +18,7 @@
 #include "judge/judgement.h"
 #include "mauve/host/architecture.h"
 #include "state/state_store.h"
+#include "supervision/supervisor.h"
 
 namespace mauve::daemon {
 
@@ -223,6 +224,10 @@ void begin_undo(Running& running, const CallPtr& call, const ChangeOnProbation& 
   }
   note_place_failures(running);
   const auto newest = meant_by(running, wanted_generation(*call));
+  const auto last = wanted.generations.empty() ? 0 : wanted.generations.back();
+  if (running.rollbacks.of(last) != nullptr) {
+    return answer(running, *call, nothing_to_undo(running, last));
+  }
   if (newest.generations != wanted.generations) {
     return answer(running, *call, not_the_newest(wanted, newest));
   }

@@ -21,8 +21,8 @@ class RollbackLines {
   /// The change that made this generation made these differences ({"op","kind","address","old",
   /// "new"} each). Only the newest kMost are kept.
   void remember(std::uint64_t generation, const Json& lines);
-  /// The same of a change under way, as soon as it has made its generation. Whoever waits for it
-  /// remembers them when it is over.
+  /// The same of a change under way, as soon as it has made its generation. The thread that
+  /// waits for it remembers them when it is over.
   void expect(const std::shared_ptr<const Ongoing>& change, Json lines);
   /// The differences that going back to before these changes makes now, each address once.
   [[nodiscard]] Json back_from(const std::vector<std::uint64_t>& changes) const;

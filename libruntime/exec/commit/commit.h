@@ -49,7 +49,6 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   /// The receipt of the members that have answered so far.
   [[nodiscard]] const Receipt& receipt() const { return receipt_; }
   [[nodiscard]] Result<Receipt> result() const override;
-  [[nodiscard]] std::uint64_t made() const override { return made_; }
   Retired& retired() override { return retired_; }
   /// Components that did not answer in time.
   [[nodiscard]] std::vector<Deployed*> silent() const;
@@ -106,7 +105,6 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   unsigned attempts_reported_ = 0;
   Instant back_by_ = 0;  // until then the others go back, since a member hangs; zero: none
   Receipt receipt_;
-  std::uint64_t made_ = 0;
   Retired retired_;
   std::optional<Result<Receipt>> result_;
   bool over_ = false;

@@ -37,7 +37,6 @@ class Stop final : public Ongoing {
 
   bool advance() override;
   [[nodiscard]] Result<Receipt> result() const override;
-  [[nodiscard]] std::uint64_t made() const override { return made_; }
   Retired& retired() override { return nothing_; }
   /// Those that did not come to a boundary in time.
   [[nodiscard]] const std::set<const Deployed*>& hung() const { return hung_; }
@@ -68,7 +67,6 @@ class Stop final : public Ongoing {
   std::vector<std::pair<const Deployed*, std::uint64_t>> readers_;  // and their releases before
   Instant read_by_ = 0;
   Receipt receipt_;
-  std::uint64_t made_ = 0;
   std::set<const Deployed*> late_;  // their safe values are written
   std::set<const Deployed*> hung_;
   Retired nothing_;

@@ -71,12 +71,11 @@ TEST(RollbackLines, AreForgottenWithTheirChangesAndBounded) {
 }
 
 struct Way final : Ongoing {
-  std::uint64_t number = 0;
   Retired nothing;
 
+  void make(std::uint64_t generation) { made_ = generation; }
   bool advance() override { return false; }
   [[nodiscard]] Result<Receipt> result() const override { return Receipt(); }
-  [[nodiscard]] std::uint64_t made() const override { return number; }
   Retired& retired() override { return nothing; }
 };
 
@@ -87,7 +86,7 @@ TEST(RollbackLines, OfAChangeUnderWayCountOnceItHasMadeItsGeneration) {
   lines.expect(way, Json::array({line("a.core.x", 2, 1)}));
   EXPECT_EQ(lines.back_from({2}), Json::array({line("a.core.x", 2, 1)}));
 
-  way->number = 3;
+  way->make(3);
   EXPECT_EQ(lines.back_from({3}), Json::array({line("a.core.x", 1, 2)}));
 
   way.reset();

@@ -9,6 +9,7 @@
 
 #include "commands/answer.h"
 #include "commands/change/change_in_place.h"
+#include "commands/change/change_request.h"
 #include "commands/change/plugin_members.h"
 #include "commands/model.h"
 #include "commands/recovery/former.h"

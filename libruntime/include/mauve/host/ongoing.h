@@ -27,9 +27,12 @@ class Ongoing {
   /// at.
   [[nodiscard]] virtual Result<Receipt> result() const = 0;
   /// The generation that it has made, also one that ends with an error; 0: none, or none yet.
-  [[nodiscard]] virtual std::uint64_t made() const = 0;
+  [[nodiscard]] std::uint64_t made() const { return made_; }
   /// Elements that are no longer in force.
   virtual Retired& retired() = 0;
+
+ protected:
+  std::uint64_t made_ = 0;  ///< see made()
 };
 
 /// A stop that goes on without [control]. Used by one thread, which is no component's; destroyed
