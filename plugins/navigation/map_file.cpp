@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "map_file.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -202,7 +203,18 @@ void fill_grid(const MapDescription& description, const MapImage& image, Occupan
   }
 }
 
+bool is_unknown_freed(const MapDescription& description, const MapImage& image) {
+  const double level = kUnknownLevel / 255.0;
+  return (description.negate ? level : 1.0 - level) < description.free_thresh &&
+         std::find(image.levels.begin(), image.levels.end(), kUnknownLevel) != image.levels.end();
+}
+
 Status load_map(const std::string& file, OccupancyGrid& into) {
+  bool frees_unknown = false;
+  return load_map(file, into, frees_unknown);
+}
+
+Status load_map(const std::string& file, OccupancyGrid& into, bool& frees_unknown) {
   const Result<std::string> text = read_regular_file(file, kLongestDescription, "map");
   if (!text) return text.error();
   const Result<MapDescription> description = parse_description(*text, file);
@@ -214,6 +226,7 @@ Status load_map(const std::string& file, OccupancyGrid& into) {
   const Result<MapImage> image = parse_pgm(*bytes, image_file);
   if (!image) return image.error();
   fill_grid(*description, *image, into);
+  frees_unknown = is_unknown_freed(*description, *image);
   return mauve::ok();
 }
 

@@ -38,6 +38,9 @@ struct MapImage {
 /// Reads both files. An error names the file, the line and the problem. `time` of the grid stays.
 /// [factory]
 [[nodiscard]] mauve::Status load_map(const std::string& file, OccupancyGrid& into);
+/// The same; `frees_unknown`: see is_unknown_freed().
+[[nodiscard]] mauve::Status load_map(const std::string& file, OccupancyGrid& into,
+                                     bool& frees_unknown);
 /// Writes FILE.yaml and FILE.pgm, if `file` is "FILE.yaml". Cells of 0, 100 and -1 are read again
 /// as they were; of others those below 20 become free, those above 65 occupied. [factory]
 [[nodiscard]] mauve::Status save_map(const OccupancyGrid& grid, const std::string& file);
@@ -46,6 +49,9 @@ struct MapImage {
 [[nodiscard]] mauve::Result<MapDescription> parse_description(std::string_view text,
                                                               const std::string& name);
 [[nodiscard]] mauve::Result<MapImage> parse_pgm(std::string_view bytes, const std::string& name);
+/// The image has cells of the level 205, by which map_saver means unknown, and free_thresh makes
+/// them free, as in map_server.
+[[nodiscard]] bool is_unknown_freed(const MapDescription& description, const MapImage& image);
 /// The sizes fit: parse_pgm() refuses others.
 void fill_grid(const MapDescription& description, const MapImage& image, OccupancyGrid& into);
 

@@ -37,7 +37,13 @@ class MapServer final : public mauve::Core<MapServerShell> {
   mauve::Status on_configure() override {
     if (file.get().empty()) return mauve::invalid(file, "says no file");
     auto map = std::make_unique<OccupancyGrid>();
-    if (mauve::Status done = load_map(file, *map); !done) return done;
+    bool frees_unknown = false;
+    if (mauve::Status done = load_map(file, *map, frees_unknown); !done) return done;
+    if (frees_unknown) {
+      mauve::log(mauve::LogLevel::warning,
+                 "free_thresh makes cells of the level 205 free, by which map_saver means unknown: "
+                 "0.196 leaves them unknown");
+    }
     width = map->width;
     height = map->height;
     map_ = std::move(map);

@@ -12,6 +12,7 @@
 
 #include "arch/build/load.h"
 #include "arch/compare/diff.h"
+#include "mauve/host/architecture.h"
 #include "plugin/load/catalog.h"
 #include "unit/arch/architecture_text.h"
 #include "unit/arch/sample_plugin.h"

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "arch/build/load.h"
+#include "mauve/host/architecture.h"
 #include "plugin/load/catalog.h"
 #include "unit/arch/architecture_text.h"
 #include "unit/arch/sample_plugin.h"

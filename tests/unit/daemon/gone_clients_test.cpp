@@ -7,6 +7,7 @@
 #include <future>
 #include <memory>
 
+#include "mauve/host/architecture.h"
 #include "support/eventually.h"
 #include "unit/daemon/front.h"
 

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "mauve/host/architecture.h"
 #include "mauve/host/change.h"
 #include "unit/daemon/front.h"
 

@@ -65,6 +65,22 @@ TEST_F(MapFile, IsReadWithTheLowestRowOfTheImageFirst) {
   EXPECT_EQ(cells, (std::vector<int>{0, 0, -1, 100, 100, 0}));
 }
 
+TEST_F(MapFile, SaysWhenItsThresholdFreesWhatMapSaverMeansAsUnknown) {
+  bool frees = true;
+  write("map.pgm", std::string("P5 2 1 255\n\xCD\xFE"));
+  ASSERT_TRUE(load_map(write("map.yaml", kDescription), *grid_, frees));
+  EXPECT_FALSE(frees);
+  EXPECT_EQ(grid_->cells[0], -1);
+  const std::string nav2 = write("map.yaml", with("0.196", "0.25"));
+  ASSERT_TRUE(load_map(nav2, *grid_, frees));
+  EXPECT_TRUE(frees);
+  EXPECT_EQ(grid_->cells[0], 0) << "as map_server has it";
+
+  write("map.pgm", std::string("P5 2 1 255\n\xFE\xFE"));
+  ASSERT_TRUE(load_map(nav2, *grid_, frees));
+  EXPECT_FALSE(frees) << "it has no such cell";
+}
+
 TEST_F(MapFile, OfPlainTextAndOfFewerLevelsIsReadAlike) {
   write("map.pgm", "P2\n# made by hand\n2 1 # small\n10\n0\n 10");
   ASSERT_TRUE(load_map(write("map.yaml", kDescription), *grid_));
