@@ -30,7 +30,6 @@ using mauve::Status;
 
 constexpr int kGlance = 100;                             // ms: does another line want the bytes?
 constexpr std::chrono::milliseconds kBetweenLooks{250};  // for a lost device
-constexpr int kBetweenBytes = 1;                         // ms: of a terminal, see LineEnd::ready()
 constexpr int kPause = 10;  // ms: nothing wakes us when there is room again, or a file grows
 constexpr std::chrono::milliseconds kFarewell{200};
 constexpr std::size_t kStack = 256 * 1024;  // memory is locked: the usual 8 MB would be real
@@ -55,11 +54,6 @@ constexpr std::size_t kHead = 3;  // before a request: how long it is, and after
 
 /// The bytes of an order, and in the last one how many there are.
 using Order = std::array<char, sizeof(std::uint64_t)>;
-
-/// Never a read that waits for a worker of the kernel: what is to be sent would wait with it.
-std::ptrdiff_t read_ready(LineEnd& end, std::span<char> room) {
-  return end.ready() == 0 ? 0 : end.read(room);
-}
 
 }  // namespace
 
@@ -241,7 +235,7 @@ void LineThread::read_in() {
 
 /// Nothing, when another line became the reader meanwhile.
 std::ptrdiff_t LineThread::read_some(std::span<char> room) {
-  if (device_ == nullptr) return read_ready(*end_, room);
+  if (device_ == nullptr) return end_->read(room);
   const std::lock_guard lock(device_->reading);
   if (!reads()) return 0;
   std::string& left = device_->left;
@@ -251,7 +245,7 @@ std::ptrdiff_t LineThread::read_some(std::span<char> room) {
     return static_cast<std::ptrdiff_t>(count);
   }
   tune();
-  const std::ptrdiff_t count = read_ready(*end_, room);
+  const std::ptrdiff_t count = end_->read(room);
   if (count <= 0 || reads()) return count;
   left.assign(room.data(), static_cast<std::size_t>(count));  // for the new reader of the device
   return 0;
@@ -346,22 +340,16 @@ void LineThread::wait() {
   if (open() && next_request()) line.events |= POLLOUT;
   // Nobody reads, so only its end counts: a guarded device must be found again.
   const bool awaits_end = lost_ == Lost::looked_for && open() && line.events == 0 && !idle_;
-  // Not a terminal, where a poll would wait for a worker of the kernel.
-  const bool polls = !open() || !end_->ready();
-  if (polls && (line.events != 0 || awaits_end)) line.fd = end_->number();
+  if (line.events != 0 || awaits_end) line.fd = end_->number();
   std::array<pollfd, 2> both{bell, line};
   const bool glances = filler_.bytes() != nullptr || (lost_ == Lost::looked_for && !open());
-  int longest = full || idle_ ? kPause : glances ? kGlance : -1;
-  if (!polls && (line.events != 0 || awaits_end)) {
-    longest = line.events != 0 ? kBetweenBytes : kPause;
-  }
+  const int longest = full || idle_ ? kPause : glances ? kGlance : -1;
   ::poll(both.data(), both.size(), longest);
   idle_ = false;
   if ((both[0].revents & POLLIN) != 0) {
     std::uint64_t rings = 0;
     static_cast<void>(::read(bell_.number(), &rings, sizeof rings));
-  } else if (lost_ == Lost::looked_for &&
-             ((both[1].revents & (POLLHUP | POLLERR)) != 0 || (!polls && end_->ready() == -1))) {
+  } else if (lost_ == Lost::looked_for && (both[1].revents & (POLLHUP | POLLERR)) != 0) {
     errno = EIO;  // a read of a terminal that was hung up returns nothing, and no error
     lose();
   } else if (both[1].revents != 0 && (both[1].revents & POLLOUT) == 0) {

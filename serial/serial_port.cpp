@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <stdlib.h>  // NOLINT: posix_openpt and its family
-#include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <termios.h>
 #include <unistd.h>
@@ -264,12 +263,6 @@ bool SerialPort::reopen() {
 
 bool SerialPort::tune() {
   return terminal_ && baud_ != 0 && is_open() && set_raw(device_.number(), baud_);
-}
-
-std::optional<int> SerialPort::ready() const {
-  if (!terminal_) return std::nullopt;
-  int count = 0;
-  return ::ioctl(device_.number(), FIONREAD, &count) == 0 ? count : -1;
 }
 
 std::ptrdiff_t SerialPort::read(std::span<char> into) {

@@ -255,50 +255,6 @@ TEST_F(Line, SendsAnOrderAgainBehindWhatWasUnderWayWhenItCame) {
   EXPECT_TRUE(eventually([&] { return end.written() == "gohaltgo again"; })) << end.written();
 }
 
-/// A terminal that has nothing to read: a read or a poll of it would wait.
-class Quiet final : public mauve::serial::LineEnd {
- public:
-  Quiet() : bell_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
-  [[nodiscard]] int number() const override { return bell_.number(); }
-  [[nodiscard]] std::optional<int> ready() const override {
-    ++looks;
-    return 0;
-  }
-  std::ptrdiff_t read(std::span<char>) override {
-    ++reads;
-    return 0;
-  }
-  std::ptrdiff_t write(std::string_view bytes) const override {
-    written += bytes.size();
-    return static_cast<std::ptrdiff_t>(bytes.size());
-  }
-  void close() override {}
-  bool reopen() override { return true; }
-
-  mutable std::atomic<std::size_t> looks{0};
-  mutable std::atomic<std::size_t> written{0};
-  std::atomic<std::size_t> reads{0};
-
- private:
-  mauve::serial::Descriptor bell_;
-};
-
-/// Beside a load on all processors such a read took 137 ms, and the order to stand waited for it.
-TEST_F(Line, IsNotReadBeforeItsTerminalHasBytesSoThatNothingToSendWaits) {
-  Quiet end;
-  LineBytes bytes;
-  LineThread driver;
-  ASSERT_TRUE(driver.start(end, 64));
-
-  driver.fill(bytes);
-  ASSERT_TRUE(eventually([&] { return end.looks > 5; })) << "it looks, although nobody rings";
-  ASSERT_TRUE(driver.send("halt"));
-
-  EXPECT_TRUE(eventually([&] { return end.written == 4; }));
-  EXPECT_EQ(end.reads, 0U);
-  driver.stop();
-}
-
 std::size_t threads() {
   const fs::directory_iterator tasks("/proc/self/task");
   return static_cast<std::size_t>(std::distance(fs::begin(tasks), fs::end(tasks)));

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The thread that reads and writes a serial line, so that no real-time thread has to. In the
-/// kernel a read or a poll of a terminal can wait for a worker of ordinary priority. So this thread
-/// looks a thousand times a second whether bytes are there. A write can wait for a thread that
-/// writes to the same terminal.
+/// kernel a read of a terminal can wait for a worker of ordinary priority. A write can wait for a
+/// thread that writes to the same terminal.
 #pragma once
 
 #include <pthread.h>

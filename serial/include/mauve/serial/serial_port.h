@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -49,10 +48,6 @@ class LineEnd {
   [[nodiscard]] virtual int number() const = 0;
   /// Bytes that are there now; 0 when there are none, -1 when the device failed or hung up.
   [[nodiscard]] virtual std::ptrdiff_t read(std::span<char> into) = 0;
-  /// How many bytes a read has at once, and -1 when the device failed or hung up; nothing: only
-  /// poll() and read() tell. Those wait, for a terminal, until an ordinary worker of the kernel has
-  /// handed over what came; this does not.
-  [[nodiscard]] virtual std::optional<int> ready() const { return std::nullopt; }
   /// Bytes that found room; -1 when the device failed.
   [[nodiscard]] virtual std::ptrdiff_t write(std::string_view bytes) const = 0;
   /// The device is not used from now on.
@@ -95,7 +90,6 @@ class SerialPort final : public LineEnd {
   /// The device is there.
   [[nodiscard]] bool is_open() const { return device_.open(); }
   [[nodiscard]] int number() const override { return device_.number(); }
-  [[nodiscard]] std::optional<int> ready() const override;
   [[nodiscard]] std::ptrdiff_t read(std::span<char> into) override;
   [[nodiscard]] std::ptrdiff_t write(std::string_view bytes) const override;
 
