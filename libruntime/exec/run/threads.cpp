@@ -131,11 +131,13 @@ class Threads final : public Runner {
   bool end(Task& task, Instant deadline) override {
     Worker* const worker = begin_end(task);
     if (worker == nullptr) return true;
-    const auto has_ended = [&] {
+    const bool ended = await([&] { return !worker->thread.running(); }, deadline);
+    // Its last steps are short, but those of an ordinary thread wait for a processor.
+    const auto joined = [&] {
       const rt::PiMutexLock lock(mutex_);
       return worker->thread.join_if_ended();
     };
-    const bool ended = await(has_ended, deadline);
+    if (ended) static_cast<void>(await(joined, rt::kForever));
     const rt::PiMutexLock lock(mutex_);
     const auto found = workers_.find(&task);
     if (!ended) {
