@@ -90,7 +90,7 @@ TEST_F(Undo, OfAValueThatWasSetBackSaysThatNoValueChanges) {
   }
 }
 
-/// The lines of the refused change were taken for a part of what the undo goes back over.
+/// Before, an undo counted the lines of the refused change among those that it takes back.
 TEST_F(Undo, IsJudgedByNoChangeThatWasRefused) {
   TrialDaemon daemon;
   auto to_confirm = on_probation(3.0);
