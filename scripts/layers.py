@@ -70,7 +70,7 @@ ROOMS = {
     "elf.h": "libruntime/plugin/ libruntime/include/mauve/plugin.h",
     "libelf.h": "libruntime/plugin/",
     "gelf.h": "libruntime/plugin/",
-    "pthread.h": "libruntime/rt/ libruntime/base/mutex serial/line_thread serial/include/mauve/serial/line_thread",
+    "pthread.h": "libruntime/rt/ libruntime/base/mutex serial/called_thread serial/include/mauve/serial/called_thread",
     "sched.h": "libruntime/rt/ guardian/sandbox",
     "linux/futex.h": "libruntime/rt/",
     "linux/membarrier.h": "libruntime/rt/",

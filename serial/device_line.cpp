@@ -37,7 +37,8 @@ mauve::Status DeviceLine::open() {
   thread_.when_received([this](std::size_t count) { received += count; });
   losses_ = 0;
   using Lost = LineThread::Lost;
-  return thread_.start(port_, kMostWaiting, port_.is_guarded() ? Lost::looked_for : Lost::waits);
+  const std::size_t most_waiting = use_ == SerialPort::Use::both ? kMostWaiting : 0;
+  return thread_.start(port_, most_waiting, port_.is_guarded() ? Lost::looked_for : Lost::waits);
 }
 
 void DeviceLine::close(LineBytes& line) {

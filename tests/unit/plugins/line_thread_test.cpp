@@ -255,6 +255,43 @@ TEST_F(Line, SendsAnOrderAgainBehindWhatWasUnderWayWhenItCame) {
   EXPECT_TRUE(eventually([&] { return end.written() == "gohaltgo again"; })) << end.written();
 }
 
+/// A terminal whose reader waits for a worker of the kernel.
+class Stuck final : public mauve::serial::LineEnd {
+ public:
+  [[nodiscard]] int number() const override { return always_.number(); }
+  std::ptrdiff_t read(std::span<char>) override {
+    reading = true;
+    EXPECT_TRUE(eventually([this] { return written.load() > 0; })) << "the order waited";
+    return 0;
+  }
+  std::ptrdiff_t write(std::string_view bytes) const override {
+    written += bytes.size();
+    return static_cast<std::ptrdiff_t>(bytes.size());
+  }
+  void close() override {}
+  bool reopen() override { return true; }
+
+  std::atomic<bool> reading{false};
+  mutable std::atomic<std::size_t> written{0};
+
+ private:
+  mauve::serial::Descriptor always_{::eventfd(1, EFD_NONBLOCK | EFD_CLOEXEC)};  // never read dry
+};
+
+TEST_F(Line, SendsAnOrderWhileAReadOfItsDeviceWaits) {
+  Stuck end;
+  LineBytes bytes;
+  LineThread driver;
+  ASSERT_TRUE(driver.start(end, 64));
+  driver.fill(bytes);
+  ASSERT_TRUE(eventually([&] { return end.reading.load(); }));
+
+  ASSERT_TRUE(driver.send("halt"));
+
+  EXPECT_TRUE(eventually([&] { return end.written == 4; }));
+  driver.stop();
+}
+
 std::size_t threads() {
   const fs::directory_iterator tasks("/proc/self/task");
   return static_cast<std::size_t>(std::distance(fs::begin(tasks), fs::end(tasks)));
@@ -267,7 +304,7 @@ TEST_F(Line, LeavesNoThreadBehind) {
     LineBytes bytes;
     Core core(far_.device());
     core.line.fill(bytes);
-    EXPECT_EQ(threads(), before + 1);
+    EXPECT_EQ(threads(), before + 2);
     core.line.stop();
     EXPECT_EQ(bytes.filler, 0U);
   }

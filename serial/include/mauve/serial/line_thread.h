@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The thread that reads and writes a serial line, so that no real-time thread has to. In the
-/// kernel a read of a terminal can wait for a worker of ordinary priority. A write can wait for a
-/// thread that writes to the same terminal.
+/// The threads that read and write a serial line, so that no real-time thread has to. In the kernel
+/// a read or a poll of a terminal can wait for a worker of ordinary priority. So one thread reads
+/// and polls, and another one only writes: an order waits for no byte that comes.
 #pragma once
-
-#include <pthread.h>
 
 #include <atomic>
 #include <chrono>
@@ -12,13 +10,16 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
+#include <span>
 #include <string_view>
 #include <utility>
 
 #include <mauve/result.h>
 
-#include <mauve/serial/byte_ring.h>
+#include <mauve/serial/called_thread.h>
 #include <mauve/serial/line_bytes.h>
+#include <mauve/serial/line_requests.h>
 #include <mauve/serial/serial_port.h>
 
 namespace mauve::serial {
@@ -29,8 +30,8 @@ namespace mauve::serial {
 /// last reads, at its speed: a core that is gone leaves no line behind that reads for it.
 class LineThread {
  public:
-  /// The treatment of an end that failed: it waits for reopen(), or the thread also looks for it
-  /// every 250 ms, or it is opened when something is sent.
+  /// The treatment of an end that failed: it waits for reopen(), or the thread that reads also looks
+  /// for it every 250 ms, or it is opened when something is sent. The latter is never read.
   enum class Lost : std::uint8_t { waits, looked_for, opened_to_send };
 
   LineThread() = default;
@@ -38,17 +39,18 @@ class LineThread {
   LineThread(const LineThread&) = delete;
   LineThread& operator=(const LineThread&) = delete;
 
-  /// `end` belongs to the thread until stop(). At most `most_waiting` bytes wait to be sent: a
-  /// device that hung should not hear old bytes later. One that is opened to send is for
-  /// emergencies: its thread is a real-time one from the beginning. [factory]
+  /// `end` belongs to the threads until stop(). At most `most_waiting` bytes wait to be sent: a
+  /// device that hung should not hear old bytes later. With 0 it is never written. One that is
+  /// opened to send is for emergencies: its thread is a real-time one from the beginning. [factory]
   mauve::Status start(LineEnd& end, std::size_t most_waiting, Lost lost = Lost::waits);
-  /// Called on the thread when bytes that send() took found no device. Before start(). [factory]
+  /// Called on one of the threads when bytes that send() took found no device. Before start().
+  /// [factory]
   void when_unsent(std::function<void()> report) { report_unsent_ = std::move(report); }
-  /// Called on the thread with the number of bytes that came. Before start(). [factory]
+  /// Called on the thread that reads with the number of bytes that came. Before start(). [factory]
   void when_received(std::function<void(std::size_t)> report) {
     report_received_ = std::move(report);
   }
-  /// Sends the bytes that wait, for 200 ms at most, and joins the thread. [factory]
+  /// Sends the bytes that wait, for 200 ms at most, and joins the threads. [factory]
   void stop();
   /// Until no line fills it any more, so that it can go. After stop(). [factory]
   void empty_handed(LineBytes& bytes) const { filler_.empty_handed(bytes); }
@@ -76,53 +78,45 @@ class LineThread {
   struct Device;  // the common part of all lines of one device
 
   static std::shared_ptr<Device> device_of(const LineEnd& end);
-  static void* enter(void* self);
-  void run();
+  void read_until_the_end();
+  void write_until_the_end();
   [[nodiscard]] bool reads() const;
   void tune();
   void follow_the_component();
   void open_again();
   void read_in();
   std::ptrdiff_t read_some(std::span<char> room);
-  bool next_request();
-  [[nodiscard]] bool overruled() const;
-  [[nodiscard]] std::uint8_t orders() const;
-  void end_request();
-  void write_out();
-  std::ptrdiff_t write_some();
-  void lose();
+  bool write_out();
+  std::ptrdiff_t write_some(std::string_view bytes);
+  void lose(int error);
+  void mark_lost(int error);
+  void close_lost();
   void drop_waiting();
-  void wait();
-  void send_rest();
-  void kick() const;
+  void wait_for_bytes();
   [[nodiscard]] std::uint64_t id() const { return reinterpret_cast<std::uintptr_t>(this); }
 
   LineEnd* end_ = nullptr;
   std::shared_ptr<Device> device_;
-  std::size_t most_waiting_ = 0;
   Lost lost_ = Lost::waits;
   std::function<void()> report_unsent_;
   std::function<void(std::size_t)> report_received_;
-  Descriptor bell_;
-  pthread_t thread_{};
-  bool running_ = false;
   std::atomic<bool> stopping_{false};
   bool followed_ = false;  // the component's own
-  std::atomic<bool> hurried_{false};
   std::atomic<bool> asked_{false};
-  std::atomic<bool> open_{false};
+  std::atomic<bool> open_{false};  // false under `output_`: then nothing is written any more
   std::atomic<int> error_{0};
   std::atomic<std::uint32_t> losses_{0};
   LineFiller filler_;
-  ByteRing<16'384> waiting_;  // requests, each after its head
+  // Nobody who holds it reads, polls or opens the end.
+  std::mutex output_;
+  LineRequests requests_;  // their side of the writer under `output_`
 
-  // The thread's own.
-  std::size_t request_size_ = 0;     // of the first that waits, with its head
-  std::size_t request_sent_ = 0;     // of these, gone
-  std::uint8_t request_orders_ = 0;  // that had been given when it was sent
-  bool repeats_ = false;             // an order, in place of the first that waits
-  bool idle_ = false;                // it is always ready, and has nothing: the end of a file
+  // Of the thread that reads.
+  bool idle_ = false;  // it is always ready, and has nothing: the end of a file
   std::chrono::steady_clock::time_point looked_;  // for a lost end
+
+  CalledThread reader_;
+  CalledThread writer_;
 };
 
 }  // namespace mauve::serial

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The requests that wait to be sent over a line, and the order that overrules them.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string_view>
+
+#include <mauve/serial/byte_ring.h>
+
+namespace mauve::serial {
+
+/// The newest order for a device, which all lines of the device share. Any thread may use it.
+class LineOrders {
+ public:
+  /// The bytes of an order, and in the last one how many there are.
+  using Order = std::array<char, sizeof(std::uint64_t)>;
+
+  /// It overrules all requests that were made before; 7 bytes of it at most. [rt]
+  void give(std::string_view order);
+  /// How many there were, which begins anew after 255. Read it before newest(). [rt]
+  [[nodiscard]] std::uint8_t number() const { return number_.load(); }
+  [[nodiscard]] Order newest() const;  ///< [rt]
+
+ private:
+  std::atomic<std::uint64_t> newest_{0};
+  std::atomic<std::uint8_t> number_{0};
+};
+
+/// Requests from the thread that sends to the thread that writes. A request goes out whole, unless
+/// an order came after it. One that has not begun by then is dropped. One that has begun is
+/// followed by the order, since the order may have gone out before its end.
+class LineRequests {
+ public:
+  /// None waits. At most `most_waiting` bytes may wait, counted with three more for each request.
+  void begin(std::shared_ptr<const LineOrders> orders, std::size_t most_waiting);
+  /// All of it waits from now on, or nothing and false: too much waits already. [rt]
+  bool put(std::string_view request);
+
+  // The side of the thread that writes.
+
+  /// The next bytes to write; empty: no request waits. They are there until the next call.
+  [[nodiscard]] std::string_view next();
+  /// So many bytes of next() are written; true: these were the last ones of the request.
+  bool written(std::size_t count);
+  /// The device that heard a part of the request is gone: the next one hears all of it.
+  void again() { written_ = 0; }
+  /// No request waits any more; returns whether one did.
+  bool drop();
+
+ private:
+  bool take();
+  void end();
+
+  std::shared_ptr<const LineOrders> orders_;
+  std::size_t most_waiting_ = 0;
+  ByteRing<16'384> waiting_;  // requests, each after its head
+
+  // Of the request that goes out.
+  std::size_t size_ = 0;     // 0: there is none
+  std::size_t written_ = 0;  // bytes of it
+  std::uint8_t number_ = 0;  // of the order that was the newest when it was made
+  bool repeats_ = false;     // it is an order that follows a request, and not in the ring
+  LineOrders::Order order_{};
+};
+
+}  // namespace mauve::serial

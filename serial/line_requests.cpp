@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <mauve/serial/line_requests.h>
+
+#include <algorithm>
+#include <bit>
+#include <span>
+#include <utility>
+
+namespace mauve::serial {
+namespace {
+
+constexpr std::size_t kHead = 3;  // before a request: how long it is, and after how many orders
+
+}  // namespace
+
+/// In this sequence: a thread that sees the new number also sees the new order.
+void LineOrders::give(std::string_view order) {
+  Order packed{};
+  packed.back() = static_cast<char>(order.copy(packed.data(), packed.size() - 1));
+  newest_ = std::bit_cast<std::uint64_t>(packed);
+  ++number_;
+}
+
+LineOrders::Order LineOrders::newest() const { return std::bit_cast<Order>(newest_.load()); }
+
+void LineRequests::begin(std::shared_ptr<const LineOrders> orders, std::size_t most_waiting) {
+  orders_ = std::move(orders);
+  most_waiting_ = most_waiting;
+  drop();
+}
+
+bool LineRequests::put(std::string_view request) {
+  if (request.empty()) return true;
+  const std::array<char, kHead> head{static_cast<char>(request.size() % 256U),
+                                     static_cast<char>(request.size() / 256U),
+                                     static_cast<char>(orders_->number())};
+  return waiting_.size() + head.size() + request.size() <= most_waiting_ &&
+         waiting_.put(head, request);
+}
+
+std::string_view LineRequests::next() {
+  while (size_ > 0 || take()) {
+    if (written_ > 0 || number_ == orders_->number()) {
+      const std::span<const char> rest =
+          repeats_ ? std::span(std::as_const(order_)).subspan(written_)
+                   : waiting_.there(kHead + written_);
+      return {rest.data(), std::min(rest.size(), size_ - written_)};
+    }
+    end();
+  }
+  return {};
+}
+
+/// The first request that waits goes out now.
+bool LineRequests::take() {
+  if (waiting_.size() == 0) return false;
+  const auto digit = [this](std::size_t at) {
+    return static_cast<unsigned char>(waiting_.there(at).front());
+  };
+  size_ = digit(0) + 256U * digit(1);
+  number_ = digit(2);
+  repeats_ = false;
+  return true;
+}
+
+bool LineRequests::written(std::size_t count) {
+  written_ += count;
+  if (written_ < size_) return false;
+  end();
+  return true;
+}
+
+/// An order that came while a request or an order went out may have gone out before it: then the
+/// newest order goes out next. An order that has not begun is followed by a newer one, too.
+void LineRequests::end() {
+  const std::uint8_t newest = orders_->number();
+  const bool follows = newest != number_ && (repeats_ || written_ > 0);
+  if (!repeats_) waiting_.drop(kHead + size_);
+  repeats_ = follows;
+  number_ = newest;
+  order_ = orders_->newest();
+  size_ = follows ? static_cast<std::size_t>(order_.back()) : 0;
+  written_ = 0;
+}
+
+bool LineRequests::drop() {
+  const bool some = size_ > 0 || waiting_.size() > 0;
+  waiting_.drop(waiting_.size());
+  size_ = written_ = 0;
+  repeats_ = false;
+  return some;
+}
+
+}  // namespace mauve::serial
