@@ -41,9 +41,9 @@ bool LineRequests::put(std::string_view request) {
 std::string_view LineRequests::next() {
   while (size_ > 0 || take()) {
     if (written_ > 0 || number_ == orders_->number()) {
-      const std::span<const char> rest =
-          repeats_ ? std::span(std::as_const(order_)).subspan(written_)
-                   : waiting_.there(kHead + written_);
+      const std::span<const char> rest = repeats_
+                                             ? std::span(std::as_const(order_)).subspan(written_)
+                                             : waiting_.there(kHead + written_);
       return {rest.data(), std::min(rest.size(), size_ - written_)};
     }
     end();

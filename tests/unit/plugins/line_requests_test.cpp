@@ -103,9 +103,9 @@ TEST_F(Requests, AreForgottenWhenTheirDeviceIsGone) {
   EXPECT_EQ(all(), "ganew");
 }
 
-/// A request is a word of one letter, and each order begins the next letter. The line of the one who
-/// gives an order writes it at once. Behind an old letter there is an order, whatever goes out in
-/// whatever pieces.
+/// A request is a word of one letter, and each order begins the next letter. The line of the one
+/// who gives an order writes it at once. Behind an old letter there is an order, whatever goes out
+/// in whatever pieces.
 TEST_F(Requests, AreNeverTheLastWordAfterAnOrderThatCameLater) {
   std::mt19937 chance(1);
   const auto below = [&chance](unsigned limit) { return static_cast<unsigned>(chance() % limit); };

@@ -30,8 +30,8 @@ namespace mauve::serial {
 /// last reads, at its speed: a core that is gone leaves no line behind that reads for it.
 class LineThread {
  public:
-  /// The treatment of an end that failed: it waits for reopen(), or the thread that reads also looks
-  /// for it every 250 ms, or it is opened when something is sent. The latter is never read.
+  /// The treatment of an end that failed: it waits for reopen(), or the thread that reads also
+  /// looks for it every 250 ms. Or it is opened when something is sent; then it is never read.
   enum class Lost : std::uint8_t { waits, looked_for, opened_to_send };
 
   LineThread() = default;
