@@ -298,12 +298,12 @@ void Daemon::keep_the_first() {
 }
 
 int Daemon::shut_down(const std::string& cause) {
-  notify::stopping("stopping on " + cause);
-  log_.write(Event::daemon_stopping, {{"cause", cause}});
   const Reaper reaper(signals_, kWholeEndMayTake,
                       [this](const std::string& why) { leave_by_force(why); });
+  log_.write(Event::daemon_stopping, {{"cause", cause}});
+  const auto abandoned = stop_components();  // before all that may wait for others
+  notify::stopping("stopping on " + cause);
   health_monitor_.stop();
-  const auto abandoned = stop_components();
   stopper_.stop();
   for (const auto& name : abandoned) {
     log_.write(Event::component_stuck, {{"component", name}});

@@ -57,10 +57,11 @@ class Threads final : public Runner {
   }
 
   Status add(Task& task, const rt::ThreadAttributes& attributes) override {
-    const rt::PiMutexLock lock(mutex_);
     auto worker = std::make_unique<Worker>(task, attributes);
     Worker& self = *worker;
+    // The guard waits for no thread that the kernel makes.
     Status started = worker->thread.start(attributes, [this, &self] { run(self); });
+    const rt::PiMutexLock lock(mutex_);
     if (started) workers_.emplace(&task, std::move(worker));
     if (started && attributes.priority > 0) noise_->watch(attributes.cpus);
     look_again();
