@@ -14,7 +14,9 @@ unsigned count(std::uint64_t jobs, std::uint64_t window) {
 }  // namespace
 
 Evidence::Verdict Evidence::weigh(const JobTiming& job, const Rules& rules) {
-  sum_ = std::max(0, sum_ + (job.over_budget ? kWeight : -1));
+  const int weight = job.over_budget ? kWeight : -1;
+  sum_ = std::max(0, sum_ + weight);
+  weighted_ = std::max(0, weighted_ + (job.twice_over ? kDoubleWeight : weight));
   too_long_ = too_long_ << 1U | (job.too_long ? 1U : 0U);
   note(job.late);
   const unsigned tolerated = std::max(rules.tolerated, 1U);  // one job is no evidence
@@ -23,7 +25,8 @@ Evidence::Verdict Evidence::weigh(const JobTiming& job, const Rules& rules) {
   const bool too_long = job.too_long && count(too_long_, rules.window) > tolerated;
   const bool starved = job.late && count(late_, rules.window) > tolerated + excused + as_before;
   if (too_long || starved) return Verdict::overruns;
-  return job.over_budget && sum_ >= kJobs * kWeight ? Verdict::over_budget : Verdict::none;
+  const bool enough = sum_ >= kJobs * kWeight || weighted_ >= kDoubleJobs * kDoubleWeight;
+  return job.over_budget && enough ? Verdict::over_budget : Verdict::none;
 }
 
 }  // namespace mauve::exec

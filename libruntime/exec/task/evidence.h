@@ -25,6 +25,7 @@ struct JobUse {
 /// How one job of the core ended.
 struct JobTiming {
   bool over_budget = false;  ///< it used more processor time than its budget
+  bool twice_over = false;   ///< it used more than two budgets
   bool late = false;         ///< it ended after its deadline
   bool too_long = false;     ///< late, and by its own doing: it ran, or slept, for too long
 };
@@ -36,6 +37,11 @@ class Evidence {
   static constexpr int kJobs = 16;
   /// A job over the budget weighs as much as so many jobs within the budget.
   static constexpr int kWeight = 2;
+  /// In a sum of its own a job that uses two budgets weighs as much as so many within the budget.
+  /// With a larger weight, a host that takes much time from one of five jobs would be evidence.
+  static constexpr int kDoubleWeight = 3;
+  /// So many such jobs in succession are a verdict. A host was seen to hit 13 jobs in 1.5 s.
+  static constexpr int kDoubleJobs = 48;
   /// Of 64 jobs, 8 late ones are excused, since others may have kept them from the processor. These
   /// add to the tolerated ones and to those of kMostAsBefore; with more, the change starves the
   /// core.
@@ -53,7 +59,7 @@ class Evidence {
   /// probation, so its late jobs are evidence about the machine.
   void begin_anew(bool proven) {
     if (proven) late_before_ = late_;
-    sum_ = 0;
+    sum_ = weighted_ = 0;
     too_long_ = late_ = 0;
     forget_overruns();
   }
@@ -69,7 +75,8 @@ class Evidence {
   /// A job off probation.
   void note(bool late) { late_ = late_ << 1U | (late ? 1U : 0U); }
   /// A job on probation. Of the budget it is the cumulative sum test of E. S. Page, Continuous
-  /// inspection schemes, Biometrika 41 (1954).
+  /// inspection schemes, Biometrika 41 (1954). One sum counts the jobs over the budget; the other
+  /// one also weighs by how much, and needs more of them.
   [[nodiscard]] Verdict weigh(const JobTiming& job, const Rules& rules);
   /// There is evidence, not yet enough for a verdict.
   [[nodiscard]] bool suspicious(const Rules& rules) const {
@@ -78,6 +85,7 @@ class Evidence {
 
  private:
   int sum_ = 0;
+  int weighted_ = 0;
   // A bit for each of the last 64 jobs, the newest lowest:
   std::uint64_t too_long_ = 0;     // too long, on probation
   std::uint64_t overruns_ = 0;     // late, since count_late() counts anew

@@ -83,6 +83,7 @@ JobTiming JobMeter::timing_of(const JobUse& job, const TaskAttributes& task, Dur
   const Duration used = std::max(job.used.value_or(Duration{0}) - excused, Duration{0});
   JobTiming timing;
   timing.over_budget = task.budget > Duration{0} && used > task.budget;
+  timing.twice_over = timing.over_budget && used > 2 * task.budget;
   timing.late = job.late > excused;
   if (!timing.late) return timing;
   const Duration span = longest_span(task, wait);

@@ -71,6 +71,15 @@ TEST_F(WithABudget, AProbationThatPassesSaysHowManyJobsExceededIt) {
                                     "used more processor time than its budget"));
 }
 
+TEST_F(WithABudget, ACoreThatUsesTwoBudgetsInEachThirdJobIsRolledBack) {
+  const std::string before = core();
+  ASSERT_TRUE(swap_to<Uneven<650>>({.time = 60s}));
+
+  const Outcome end = end_after(10s);
+  EXPECT_EQ(end.kind, Outcome::Kind::rolled_back);
+  EXPECT_EQ(core(), before);
+}
+
 TEST_F(WithABudget, ItDoesNotEndBeforeACoreUnderSuspicionIsJudged) {
   const std::string before = core();
   ASSERT_TRUE(swap_to<Costly>({.activations = 2, .time = 20ms}));

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <vector>
 
@@ -13,6 +14,7 @@ using Verdict = Evidence::Verdict;
 
 constexpr JobTiming kSound{};
 constexpr JobTiming kOverBudget{.over_budget = true};
+constexpr JobTiming kTwiceOver{.over_budget = true, .twice_over = true};
 constexpr JobTiming kTooLong{.late = true, .too_long = true};
 constexpr JobTiming kHeldUp{.late = true};
 constexpr int kMany = 100'000;
@@ -31,7 +33,7 @@ class EvidenceTest : public testing::Test {
   }
   /// In how many of 100 probations of 3000 jobs a core is blamed whose jobs exceed the budget by
   /// chance.
-  static int blamed_of_100(double share) {
+  static int blamed_of_100(double share, const JobTiming& excess = kOverBudget) {
     std::mt19937 random(19);
     std::bernoulli_distribution exceeds(share);
     int blamed = 0;
@@ -39,7 +41,7 @@ class EvidenceTest : public testing::Test {
       Evidence fresh;
       bool found = false;
       for (int job = 0; job < 3000 && !found; ++job) {
-        found = fresh.weigh(exceeds(random) ? kOverBudget : kSound, {}) != Verdict::none;
+        found = fresh.weigh(exceeds(random) ? excess : kSound, {}) != Verdict::none;
       }
       blamed += found ? 1 : 0;
     }
@@ -58,8 +60,18 @@ TEST_F(EvidenceTest, DetectsACoreThatExceedsItsBudgetInEverySecondJob) {
   EXPECT_LE(jobs_until(Verdict::over_budget, {kSound, kOverBudget}), 64);
 }
 
-TEST_F(EvidenceTest, IgnoresExcessInEveryThirdJob) {
+TEST_F(EvidenceTest, IgnoresASmallExcessInEveryThirdJob) {
   EXPECT_EQ(jobs_until(Verdict::over_budget, {kOverBudget, kSound, kSound}), kMany);
+}
+
+TEST_F(EvidenceTest, DetectsACoreThatUsesTwoBudgetsInEveryThirdJob) {
+  EXPECT_LE(jobs_until(Verdict::over_budget, {kTwiceOver, kSound, kSound}), 450);
+}
+
+TEST_F(EvidenceTest, ExcusesAHostThatTakesMuchTimeFromManyJobsWithinASecond) {
+  std::vector<JobTiming> jobs(150, kSound);
+  std::fill_n(jobs.begin(), 15, kTwiceOver);
+  EXPECT_EQ(jobs_until(Verdict::over_budget, jobs), kMany);
 }
 
 TEST_F(EvidenceTest,
@@ -67,6 +79,8 @@ TEST_F(EvidenceTest,
   EXPECT_EQ(blamed_of_100(0.1), 0);
   EXPECT_LE(blamed_of_100(0.2), 1);
   EXPECT_EQ(blamed_of_100(0.5), 100);
+  EXPECT_LE(blamed_of_100(0.2, kTwiceOver), 1);
+  EXPECT_EQ(blamed_of_100(0.4, kTwiceOver), 100);
 }
 
 TEST_F(EvidenceTest, NeedsASecondLateJobWhateverIsTolerated) {
