@@ -88,12 +88,14 @@ void continue_proof(Running& running, const Call& call) {
 
 /// The mark of a call belongs to the generation that the call made.
 std::optional<Confirmation> mark_of_its(Running& running, const Call& call) {
-  const bool is_later = call.made != running.deployer.generation();
+  if (call.made == running.deployer.generation()) {
+    return call.mark;
+  }
   const bool proven = call.mark == Confirmation::confirmed && !some_change_is_on_probation(running);
-  if (is_later && proven && call.made != 0) {
+  if (call.made != 0 && proven) {
     running.proofs.confirmed(call.made);
   }
-  return is_later ? std::nullopt : call.mark;
+  return std::nullopt;
 }
 
 /// [disk] A failure, or another change, may have made a generation before this one was saved.
