@@ -30,12 +30,12 @@ void LineRequests::begin(std::shared_ptr<const LineOrders> orders, std::size_t m
 }
 
 bool LineRequests::put(std::string_view request) {
+  if (waiting_.size() + kHead + request.size() > most_waiting_) return false;
   if (request.empty()) return true;
   const std::array<char, kHead> head{static_cast<char>(request.size() % 256U),
                                      static_cast<char>(request.size() / 256U),
                                      static_cast<char>(orders_->number())};
-  return waiting_.size() + head.size() + request.size() <= most_waiting_ &&
-         waiting_.put(head, request);
+  return waiting_.put(head, request);
 }
 
 std::string_view LineRequests::next() {

@@ -28,7 +28,7 @@ struct LineThread::Device {
   std::mutex reading;                    // no thread but those that read ever waits for it
   std::string left;                      // read by one that was the reader until then
   std::mutex tuning;                     // nobody who holds it reads or polls
-  std::uint64_t tuned = 0;               // whose speed it has
+  std::atomic<std::uint64_t> tuned{0};   // whose speed it has; changed under `tuning`
   LineOrders orders;
 };
 
@@ -52,8 +52,13 @@ Status LineThread::start(LineEnd& end, std::size_t most_waiting, Lost lost) {
   stopping_ = asked_ = false;
   followed_ = lost == Lost::opened_to_send;
   device_ = device_of(end);
+  {
+    const std::lock_guard lock(device_->tuning);
+    if (device_->tuned == id()) device_->tuned = 0;  // a line that was at the same address
+  }
   open_ = end.number() >= 0;
   losses_ = 0;
+  failed_ = 0;
   looked_ = {};
   requests_.begin(std::shared_ptr<const LineOrders>(device_, &device_->orders), most_waiting);
   Status begun = mauve::ok();
@@ -79,6 +84,7 @@ void LineThread::stop() {
 
 /// The job may be aborted anywhere here: the next job does the rest.
 void LineThread::fill(LineBytes& bytes) {
+  if (device_ == nullptr) return;
   bool news = filler_.want(bytes);
   follow_the_component();
   if (device_->reader.load(std::memory_order_relaxed) != id()) {
@@ -108,15 +114,18 @@ bool LineThread::reopen() {
 
 /// Checks once whether a real-time thread uses the line.
 void LineThread::follow_the_component() {
-  if (std::exchange(followed_, true) || !CalledThread::caller_is_real_time()) return;
-  writer_.hurry();
-  reader_.hurry();
+  if (followed_) return;
+  if (CalledThread::caller_is_real_time()) {
+    writer_.hurry();
+    reader_.hurry();
+  }
+  followed_ = true;  // last: the job may be aborted
 }
 
 void LineThread::read_until_the_end() {
   while (!stopping_.load(std::memory_order_acquire)) {
     filler_.choose();
-    if (!open()) close_lost();
+    if (const int error = failed_; error != 0 && open()) lose(error);
     const bool looks = lost_ == Lost::looked_for && !open() &&
                        std::chrono::steady_clock::now() - looked_ >= kBetweenLooks;
     if (asked_.exchange(false) || looks) open_again();
@@ -145,8 +154,13 @@ void LineThread::open_again() {
     const std::lock_guard lock(output_);
     drop_waiting();
   }
+  {
+    const std::lock_guard lock(device_->reading);
+    device_->left.clear();
+  }
   const bool opened = end_->reopen();
   error_ = opened ? 0 : errno;
+  failed_ = 0;
   idle_ = false;
   open_.store(opened, std::memory_order_release);
 }
@@ -174,7 +188,7 @@ std::ptrdiff_t LineThread::read_some(std::span<char> room) {
     left.erase(0, count);
     return static_cast<std::ptrdiff_t>(count);
   }
-  {
+  if (device_->tuned != id()) {
     const std::lock_guard alone(device_->tuning);
     tune();
   }
@@ -204,26 +218,22 @@ void LineThread::wait_for_bytes() {
   }
 }
 
-/// The thread that reads. The other one may have met the loss before.
+/// By the thread that reads, if there is one: what it had read before is in the ring then.
 void LineThread::lose(int error) {
   {
     const std::lock_guard lock(output_);
-    if (open()) mark_lost(error);
+    mark_lost(error);
   }
-  close_lost();
+  end_->close();
 }
 
-/// Under `output_`. The next device has heard nothing of the request that goes out.
+/// Under `output_`: nothing is written from now on. The next device has heard nothing of the
+/// request that goes out.
 void LineThread::mark_lost(int error) {
   error_ = error;
   requests_.again();
   losses_.fetch_add(1, std::memory_order_relaxed);
   open_.store(false, std::memory_order_release);
-}
-
-/// The thread that opens the end: no other one uses it while it is lost.
-void LineThread::close_lost() {
-  if (end_->number() >= 0) end_->close();
 }
 
 /// Under `output_`.
@@ -234,7 +244,7 @@ void LineThread::drop_waiting() {
 void LineThread::write_until_the_end() {
   while (!stopping_.load(std::memory_order_acquire)) {
     const bool rest = write_out();
-    writer_.wait(rest ? kPause : -1);
+    writer_.wait(rest ? kPause : kGlance);  // the job that sent may be aborted before it calls
   }
   const auto until = std::chrono::steady_clock::now() + kFarewell;
   while (write_out() && std::chrono::steady_clock::now() < until) {
@@ -252,7 +262,7 @@ bool LineThread::write_out() {
       error_ = end_->reopen() ? 0 : errno;
       open_ = end_->number() >= 0;
     }
-    if (!open()) {
+    if (!open() || failed_ != 0) {
       drop_waiting();
       return false;
     }
@@ -261,13 +271,12 @@ bool LineThread::write_out() {
     if (count > 0) {
       // A request that was sent meanwhile may meet another loss.
       if (requests_.written(static_cast<std::size_t>(count))) reopened = false;
-    } else {
+    } else if (opens) {
       mark_lost(errno);
-      if (opens) {
-        close_lost();
-      } else {
-        reader_.call();
-      }
+      end_->close();
+    } else {
+      failed_ = errno != 0 ? errno : EIO;
+      reader_.call();
     }
   }
   return false;

@@ -10,6 +10,7 @@
 #include <array>
 #include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -42,17 +43,20 @@ speed_t speed_of(int baud) {
   return B0;
 }
 
-/// False with errno set. A file or a FIFO, which is no terminal, needs no settings. [rt]
+/// False with errno set. A file or a FIFO, which is no terminal, needs no settings. A change of
+/// them waits for all who use the terminal, so nothing is set that is there already.
 bool set_raw(int descriptor, int baud) {
-  termios settings{};
-  if (tcgetattr(descriptor, &settings) != 0) return true;
+  termios before{};
+  if (tcgetattr(descriptor, &before) != 0) return true;
+  termios settings = before;
   cfmakeraw(&settings);
   settings.c_cflag |= static_cast<tcflag_t>(CLOCAL | CREAD);
   if (baud != 0) {
     cfsetispeed(&settings, speed_of(baud));
     cfsetospeed(&settings, speed_of(baud));
   }
-  return tcsetattr(descriptor, TCSANOW, &settings) == 0;
+  const bool same = std::memcmp(&settings, &before, sizeof settings) == 0;
+  return same || tcsetattr(descriptor, TCSANOW, &settings) == 0;
 }
 
 Status check_speed(int baud) {

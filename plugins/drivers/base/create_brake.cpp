@@ -9,10 +9,12 @@
 /// since no other thread may be alive afterwards. The line of the driver may live on: its unwritten
 /// bytes are never written.
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <thread>
 
 #include <mauve/job.h>
 #include <mauve/serial/line_thread.h>
@@ -26,6 +28,7 @@ namespace drivers {
 namespace {
 
 constexpr std::size_t kMostBrakeOrders = 96;  // a dozen orders to stand
+constexpr int kMostTries = 5;                 // of one order, 1 ms apart
 
 class CreateBrake final : public mauve::Core<mauve::EmptyShell> {
  public:
@@ -62,15 +65,21 @@ class CreateBrake final : public mauve::Core<mauve::EmptyShell> {
   /// Any thread may.
   void count_failed() { failed = failures_.fetch_add(1) + 1; }
 
-  /// It may have gone and come back since.
+  /// It may have gone and come back since. While another thread writes to it, it takes nothing.
   bool write_now(std::string_view bytes) {
-    for (int tries = 0; tries < 2; ++tries) {
+    std::string_view rest = bytes;
+    for (int tries = 0; tries < kMostTries && !rest.empty(); ++tries) {
       if (!own_.is_open() && !own_.reopen()) return false;
-      const auto count = own_.write(bytes);
-      if (count >= 0) return count == static_cast<std::ptrdiff_t>(bytes.size());
-      own_.close();
+      const auto count = own_.write(rest);
+      if (count < 0) {
+        own_.close();
+        rest = bytes;
+      } else {
+        rest.remove_prefix(static_cast<std::size_t>(count));
+        if (!rest.empty()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
     }
-    return false;
+    return rest.empty();
   }
 
   std::atomic<std::uint64_t> failures_{0};

@@ -181,6 +181,58 @@ TEST(LineLost, NeverGoesOnInTheMiddleOfARequest) {
   }
 }
 
+/// A device that fails for writers while a read of it brings its last bytes.
+class LastWords final : public mauve::serial::LineEnd {
+ public:
+  [[nodiscard]] int number() const override { return open_ ? always_.number() : -1; }
+  [[nodiscard]] std::ptrdiff_t read(std::span<char> into) override {
+    if (std::exchange(read_, true)) return 0;
+    reading = true;
+    EXPECT_TRUE(eventually([this] { return failed_.load(); }));
+    const std::string_view words = "last words";
+    return static_cast<std::ptrdiff_t>(words.copy(into.data(), into.size()));
+  }
+  [[nodiscard]] std::ptrdiff_t write(std::string_view) const override {
+    failed_ = true;
+    errno = EIO;
+    return -1;
+  }
+  void close() override { open_ = false; }
+  bool reopen() override { return open_ = true; }
+
+  std::atomic<bool> reading{false};
+
+ private:
+  mauve::serial::Descriptor always_{::eventfd(1, EFD_CLOEXEC)};
+  mutable std::atomic<bool> failed_{false};
+  bool read_ = false;
+  bool open_ = true;
+};
+
+TEST(LineLost, HasHandedOverItsLastBytesAlsoWhenAWriteMeetsTheLoss) {
+  LastWords device;
+  LineBytes bytes;
+  LineThread line;
+  ASSERT_TRUE(line.start(device, 64));
+  line.fill(bytes);
+  ASSERT_TRUE(eventually([&] { return device.reading.load(); }));
+  ASSERT_TRUE(line.send("go"));
+
+  ASSERT_TRUE(eventually([&] { return !line.open(); }));
+  EXPECT_EQ(bytes.ring.size(), 10U) << "they are no bytes of the next device";
+  EXPECT_EQ(line.losses(), 1U);
+  EXPECT_EQ(line.error(), EIO);
+  line.stop();
+}
+
+TEST(LineLost, TakesNothingBeforeItIsStarted) {
+  LineBytes bytes;
+  LineThread line;
+  line.fill(bytes);
+  EXPECT_FALSE(line.send("go"));
+  EXPECT_FALSE(line.open());
+}
+
 /// How the threads of lines in this process are scheduled.
 std::multiset<int> policies_of_lines() {
   std::multiset<int> policies;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// DeviceLine: the serial device of a driver, read byte by byte and written without waiting. A
-/// thread of its own does all input and output, so that no job waits for the kernel.
+/// DeviceLine: the serial device of a driver, read byte by byte and written without waiting.
+/// Threads of its own do all input and output, so that no job waits for the kernel.
 #pragma once
 
 #include <cstddef>
@@ -41,23 +41,23 @@ class DeviceLine {
 
   /// mauved sends the order when the component is stopped, fails or is removed; the guardian sends
   /// it when mauved cannot. Choose `times` 2 or more: a command that the core sent just before may
-  /// go out after the first order. The thread then looks for a lost device itself, every 250 ms:
+  /// go out after the first order. The line then looks for a lost device itself, every 250 ms:
   /// the order must reach it also while no job runs. Before open(); `guarded` outlives the line.
   /// [factory]
   void guard(mauve::Guarded& guarded, const mauve::SafeOrder& order) {
     port_.guard(guarded, order);
   }
-  /// Opens the device and starts the thread. A device that is not there is waited for: then lost()
+  /// Opens the device and starts the threads. A device that is not there is waited for: then lost()
   /// is true. Refused when another process has it, when it is no terminal but is to be written, and
   /// when there is no such speed. [factory]
   mauve::Status open();
-  /// Writes the bytes that were sent before, for 200 ms at most, and ends the thread. Afterwards no
-  /// thread touches `line`. [factory]
+  /// Writes the bytes that were sent before, for 200 ms at most, and ends the threads. Afterwards
+  /// no thread touches `line`. [factory]
   void close(LineBytes& line);
   /// The device is not there, or went away. [rt]
   [[nodiscard]] bool lost() const { return lost_; }
-  /// Asks the thread to open it. False: it is still away, as far as the last call made it known.
-  /// [rt]
+  /// Asks the thread that reads to open it. False: it is still away, as far as the last call made
+  /// it known. [rt]
   bool reopen();
 
   /// The next byte; false when there is none yet, the device is lost, or this job had its share.

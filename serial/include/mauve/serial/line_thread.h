@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The threads that read and write a serial line, so that no real-time thread has to. In the kernel
-/// a read or a poll of a terminal can wait for a worker of ordinary priority. So one thread reads
-/// and polls, and another one only writes: an order waits for no byte that comes.
+/// a read or a poll of a terminal can wait for a worker of ordinary priority. So one thread reads,
+/// polls and opens, and another one writes: an order waits for no byte that comes.
 #pragma once
 
 #include <atomic>
@@ -90,7 +90,6 @@ class LineThread {
   std::ptrdiff_t write_some(std::string_view bytes);
   void lose(int error);
   void mark_lost(int error);
-  void close_lost();
   void drop_waiting();
   void wait_for_bytes();
   [[nodiscard]] std::uint64_t id() const { return reinterpret_cast<std::uintptr_t>(this); }
@@ -104,10 +103,11 @@ class LineThread {
   bool followed_ = false;  // the component's own
   std::atomic<bool> asked_{false};
   std::atomic<bool> open_{false};  // false under `output_`: then nothing is written any more
+  std::atomic<int> failed_{0};     // an errno of a write: the thread that reads closes the end
   std::atomic<int> error_{0};
   std::atomic<std::uint32_t> losses_{0};
   LineFiller filler_;
-  // Nobody who holds it reads, polls or opens the end.
+  // No thread that holds it reads or polls, and none opens the end, unless the line is never read.
   std::mutex output_;
   LineRequests requests_;  // their side of the writer under `output_`
 

@@ -39,7 +39,8 @@ class Descriptor {
 [[nodiscard]] std::string line_path(const std::string& name);
 
 /// One end of a line. Nothing here waits for bytes, but the kernel may let any caller wait for one
-/// of its own threads: real-time threads leave it to a LineThread.
+/// of its own threads: real-time threads leave it to a LineThread. That calls write() and tune()
+/// also while another thread is in read(); read() leaves number() as it is.
 class LineEnd {
  public:
   virtual ~LineEnd() = default;

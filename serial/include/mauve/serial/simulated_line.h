@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The far end of a line as a simulated device uses it: a pseudo-terminal, read and written by a
-/// thread of its own. It is a member of the core of the device, and a property names it.
+/// The far end of a line as a simulated device uses it: a pseudo-terminal, read and written by
+/// threads of its own. It is a member of the core of the device, and a property names it.
 #pragma once
 
 #include <algorithm>
