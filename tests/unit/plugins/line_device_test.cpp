@@ -182,7 +182,7 @@ TEST(LineLost, NeverGoesOnInTheMiddleOfARequest) {
 }
 
 /// A device that fails for writers while a read of it brings its last bytes.
-class LastWords final : public mauve::serial::LineEnd {
+class LastBytes final : public mauve::serial::LineEnd {
  public:
   [[nodiscard]] int number() const override { return open_ ? always_.number() : -1; }
   [[nodiscard]] std::ptrdiff_t read(std::span<char> into) override {
@@ -210,7 +210,7 @@ class LastWords final : public mauve::serial::LineEnd {
 };
 
 TEST(LineLost, HasHandedOverItsLastBytesAlsoWhenAWriteMeetsTheLoss) {
-  LastWords device;
+  LastBytes device;
   LineBytes bytes;
   LineThread line;
   ASSERT_TRUE(line.start(device, 64));
