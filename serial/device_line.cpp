@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <mauve/serial/device_line.h>
 
+#include <cerrno>
 #include <utility>
 
 #include <mauve/log.h>
@@ -81,7 +82,7 @@ void DeviceLine::forget(LineBytes& line) {
 }
 
 bool DeviceLine::send(std::string_view bytes) {
-  if (lost_) return false;
+  if (lost_ || mauve::is_abandoned()) return false;
   if (thread_.send(bytes)) {
     takes_no_bytes.end("its device takes bytes again");
     return true;
@@ -93,7 +94,9 @@ bool DeviceLine::send(std::string_view bytes) {
 
 /// The log has a line for each change, also of the core: a swap continues the warning.
 void DeviceLine::report() {
-  if (lost_) {
+  if (lost_ && thread_.error() == EBUSY) {
+    unplugged.begin("its device belongs to another process (time {})", device_errors.get());
+  } else if (lost_) {
     unplugged.begin("its device is not there (time {})", device_errors.get());
   } else {
     unplugged.end("its device is back");

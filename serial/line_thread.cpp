@@ -5,10 +5,13 @@
 
 #include <cerrno>
 #include <chrono>
+#include <functional>
 #include <map>
 #include <string>
 #include <thread>
 #include <utility>
+
+#include <mauve/guarded.h>
 
 namespace mauve::serial {
 namespace {
@@ -95,7 +98,7 @@ void LineThread::fill(LineBytes& bytes) {
 }
 
 bool LineThread::send(std::string_view bytes) {
-  if (!requests_.put(bytes)) return false;
+  if (mauve::is_abandoned() || !requests_.put(bytes)) return false;
   follow_the_component();
   writer_.call();
   return true;

@@ -220,12 +220,16 @@ Status SerialPort::open(const std::string& device, int baud, Missing missing, Us
     return refuse(Errc::invalid_value, {}, "'" + device + "' is no serial device",
                   "requests would be written into it; name one such as /dev/ttyACM0");
   }
-  if (Status raw = make_raw(opened.number(), 0); !raw) return raw;
   choose(device, baud, use);
   alone_ = true;
+  // Before any setting, which would reach the device of the one that has the lock.
   if (terminal && !lock_.take(opened.number(), path_.c_str())) {
     return refuse(Errc::conflict, {}, "'" + path_ + "' belongs to " + holder_of(path_),
                   "one device has one driver: end that process, or name another device");
+  }
+  if (Status raw = make_raw(opened.number(), 0); !raw) {
+    lock_.release();
+    return raw;
   }
   device_ = std::move(opened);
   terminal_ = terminal;
@@ -252,13 +256,14 @@ void SerialPort::close() {
 
 bool SerialPort::reopen() {
   Descriptor opened(open_quietly(path_, use_));
-  if (!opened.open() || !set_raw(opened.number(), baud_)) return false;
+  if (!opened.open()) return false;
   const bool terminal = ::isatty(opened.number()) == 1;
   if (use_ == Use::both && !terminal) return false;
   if (alone_ && terminal && !lock_.take(opened.number(), path_.c_str())) {
     errno = EBUSY;
     return false;
   }
+  if (!set_raw(opened.number(), baud_)) return false;
   terminal_ = terminal;
   device_ = std::move(opened);
   static_cast<void>(be_guarded());  // a command without a guardian is better than none

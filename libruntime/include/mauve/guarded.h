@@ -29,6 +29,12 @@ struct SafeOrder {
   bool drop_unsent = true;
 };
 
+/// True in a job whose thread mauved has abandoned, because the job did not return within its
+/// bound. The orders of its outputs have gone out, and no command of it may follow. A driver that
+/// writes to a descriptor of its own asks after each call that may have waited. `mauve::serial`
+/// does so. [any]
+[[nodiscard]] bool is_abandoned();
+
 /// An output that is made safe when its component cannot command it. Declared as a member of a core
 /// or shell. No code of the plugin runs for that: mauved and the guardian have copies of the
 /// descriptor and of the bytes. In a simulation or another program nothing happens. [factory], or

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <mauve/guarded.h>
 
+#include <mauve/detail/job.h>
+
 #include <set>
 
 #include "base/mutex.h"
@@ -47,6 +49,8 @@ Status Guarded::hold(int descriptor, const SafeOrder& order) {
   }
   return held;
 }
+
+bool is_abandoned() { return this_job().running && this_job().has_no_ports(); }
 
 void Guarded::drop() { rt::GuardedOutputs::of_process().drop(this); }
 

@@ -5,13 +5,16 @@
 #include <sys/eventfd.h>
 #include <termios.h>
 
+#include <array>
 #include <atomic>
+#include <cerrno>
 #include <fstream>
 #include <set>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include <mauve/detail/job.h>
 #include <mauve/plugin.h>
 #include <mauve/serial/device_line.h>
 #include <mauve/test_kit.h>
@@ -223,6 +226,18 @@ TEST(LineLost, HasHandedOverItsLastBytesAlsoWhenAWriteMeetsTheLoss) {
   EXPECT_EQ(line.losses(), 1U);
   EXPECT_EQ(line.error(), EIO);
   line.stop();
+}
+
+TEST_F(Line, SendsNothingForAJobWhoseThreadIsAbandoned) {
+  Core core(far_.device());
+  mauve::this_job().running = true;
+  mauve::this_job().no_ports = true;
+  EXPECT_FALSE(core.line.send("drive on"));
+  mauve::this_job().running = false;
+  EXPECT_TRUE(core.line.send("begin")) << "a hook of a core that is prepared";
+  mauve::this_job().no_ports = false;
+  core.line.stop();
+  EXPECT_EQ(heard(far_, 5), "begin");
 }
 
 TEST(LineLost, TakesNothingBeforeItIsStarted) {

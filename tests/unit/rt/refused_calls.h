@@ -81,6 +81,9 @@ inline const std::map<std::string, Call> kCalls{
     {"sigignore", [] { use(sigignore(SIGUSR1)); }},
     {"siginterrupt", [] { use(siginterrupt(SIGUSR1, 1)); }},
     {"sighold", [] { use(sighold(SIGUSR1)); }},
+    {"sigrelse", [] { use(sigrelse(SIGUSR1)); }},
+    {"sigblock", [] { use(sigblock(1 << SIGUSR1)); }},
+    {"sigsetmask", [] { use(sigsetmask(0)); }},
     {"sigwait",
      [] {
        const sigset_t end = ends_mauved();

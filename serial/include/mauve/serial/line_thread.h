@@ -58,7 +58,8 @@ class LineThread {
   /// The line fills this from now on, and no other line of the device any; to be called again in
   /// each job. [rt]
   void fill(LineBytes& bytes);
-  /// All of it is sent later, or nothing and false: too much waits already. If a lost device heard
+  /// All of it is sent later, or nothing and false: too much waits already, or the job is abandoned
+  /// (mauve/guarded.h). If a lost device heard
   /// half of it, a device that is opened to send hears all of it again. [rt]
   bool send(std::string_view bytes);
   /// An order (7 bytes at most) overrules all that any line sent to the device before it. Of that,
