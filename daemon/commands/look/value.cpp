@@ -155,8 +155,8 @@ Value age_in_words(Duration age) {
   return format_duration(age - age % step);
 }
 
-/// A warning is written when it changes, and a count is 0 before it is written first: that they are
-/// old says nothing.
+/// A warning is written when it changes, and a count is 0 before it is written first. That they are
+/// old says nothing, as long as their component runs: else nobody would write them.
 bool has_no_age(const ObservableBase& observable) {
   return dynamic_cast<const Warning*>(&observable) != nullptr ||
          (observable.written() == 0 && same_type(observable.type(), data_type<std::uint64_t>()));
@@ -164,6 +164,11 @@ bool has_no_age(const ObservableBase& observable) {
 
 bool is_too_old(std::optional<Duration> age, Duration max_age) {
   return max_age > Duration{0} && (!age || *age > max_age);
+}
+
+bool stands(const Running& running, const arch::Element& element) {
+  return element.component != nullptr &&
+         running.deployer.status(element.name()).state != ComponentState::running;
 }
 
 Value look_at(const Running& running, const arch::Quantity& quantity, Duration max_age) {
@@ -176,7 +181,8 @@ Value look_at(const Running& running, const arch::Quantity& quantity, Duration m
   if (wants_age) {
     return age ? age_in_words(*age) : Value();
   }
-  const bool old = is_too_old(age, max_age) && !has_no_age(*target.observable);
+  const bool old = has_no_age(*target.observable) ? stands(running, target.element)
+                                                  : is_too_old(age, max_age);
   return old ? Value() : target.observable->value();
 }
 
