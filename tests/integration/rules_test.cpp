@@ -68,22 +68,6 @@ TEST(Rules, SayOnceThatAValueBecameNanAndFireOnlyWhenTheySaySo) {
   EXPECT_TRUE(daemon.logs(1, "value_unknown"));
 }
 
-/// Nobody would tell that a device is silent while its driver stands.
-TEST(Rules, DoNotKnowAWarningOfAComponentThatStandsWhereAnAgeIsAsked) {
-  auto file = Json::parse(supervised(
-      R"({ "name": "blind", "when": "first.core.dull == true", "max_age": "50ms",
-           "when_unknown": "fire", "do": "rest" })"));
-  file["components"]["first"]["core"] = "trial/warning";
-  RulesDaemon daemon(file.dump());
-  const auto look = [&] { return daemon.rule("blind"); };
-  ASSERT_TRUE(eventually([&] { return look()["state"] == "armed"; })) << look();
-  EXPECT_EQ(look()["fired"], 0) << "it runs, and has nothing to warn of";
-
-  daemon.ask("component.stop", {{"components", {"first"}}});
-
-  EXPECT_TRUE(daemon.fired("blind", 1)) << look();
-}
-
 TEST(Rules, AreOnProbationOnlyWhenTheyBringSomethingThatMustProveItself) {
   RulesDaemon daemon(supervised(
       R"({ "name": "loud", "when": "second.core.input > 5", "do": "deaf", "cool_down": "1ms" },

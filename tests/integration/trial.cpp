@@ -241,14 +241,11 @@ class ThrowingAnything final : public Steady {
   mauve::Status on_configure() override { throw 42; }
 };
 
-class Warns final : public Steady {
-  mauve::Warning dull{*this, "dull", "it has nothing to do"};
-};
-
 /// Asks for a transaction in its first job.
 class Requesting final : public Steady {
   mauve::Property<std::string> transaction{*this, "transaction", "deaf", "what it asks for"};
   mauve::Observable<bool> asked{*this, "asked", false, "and was heard"};
+  mauve::Warning dull{*this, "dull", "it has nothing to ask for"};
   bool first_ = true;
   void update() override {
     Steady::update();
@@ -359,7 +356,6 @@ class AnotherCore : public mauve::Core<AnotherShell> {
 
 MAUVE_PLUGIN(plugin) {
   plugin.core<trial::Steady>("steady");
-  plugin.core<trial::Warns>("warning");
   plugin.core<trial::Other>("other");
   if (NUMBER == 1) plugin.core<trial::Former>("former");
   plugin.core<trial::Noting>("noting");
