@@ -181,8 +181,8 @@ Value look_at(const Running& running, const arch::Quantity& quantity, Duration m
   if (wants_age) {
     return age ? age_in_words(*age) : Value();
   }
-  const bool old = has_no_age(*target.observable) ? stands(running, target.element)
-                                                  : is_too_old(age, max_age);
+  const bool old =
+      has_no_age(*target.observable) ? stands(running, target.element) : is_too_old(age, max_age);
   return old ? Value() : target.observable->value();
 }
 
