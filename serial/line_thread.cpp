@@ -30,7 +30,7 @@ struct LineThread::Device {
   std::atomic<std::uint64_t> reader{0};  // whose component ran last
   std::mutex reading;                    // no thread but those that read ever waits for it
   std::string left;                      // read by one that was the reader until then
-  std::mutex tuning;                     // nobody who holds it reads or polls
+  std::mutex tuning;                     // no thread that holds it reads or polls
   std::atomic<std::uint64_t> tuned{0};   // whose speed it has; changed under `tuning`
   LineOrders orders;
 };
@@ -221,7 +221,7 @@ void LineThread::wait_for_bytes() {
   }
 }
 
-/// By the thread that reads, if there is one: what it had read before is in the ring then.
+/// The thread that reads calls it, if there is one: the ring has all that this thread read before.
 void LineThread::lose(int error) {
   {
     const std::lock_guard lock(output_);

@@ -39,6 +39,10 @@ class ElfFile {
   [[nodiscard]] std::optional<GElf_Xword> dynamic(GElf_Sxword tag) const;
   /// Names of the libraries it needs.
   [[nodiscard]] std::vector<std::string> needed() const;
+  /// Of the strings that its dynamic section names by their place.
+  [[nodiscard]] std::string dynamic_text(std::size_t offset) const {
+    return text(dynamic_strings_, offset);
+  }
   /// The symbols of a table: SHT_DYNSYM, or SHT_SYMTAB when it was not stripped.
   [[nodiscard]] std::vector<ElfSymbol> symbols(GElf_Word table) const;
   /// The section with this name and its bytes.

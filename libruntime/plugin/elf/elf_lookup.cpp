@@ -101,16 +101,20 @@ bool read_at(const ElfFile& file, GElf_Addr address, Entry& entry) {
 }
 
 constexpr const char* kBadVersions = "the versions of its symbols lead outside";
+constexpr const char* kOfNoLibrary = "a version of its symbols is of no library that it needs";
 
 /// The highest number of a version that the plugin needs. The file has a list of libraries, each
 /// with a list of versions. See the System V gABI as extended by Solaris, and "Symbol Versioning"
 /// in the Linux Standard Base.
 Result<std::uint32_t> highest_version(const ElfFile& file) {
   std::uint32_t highest = 1;  // 0 and 1 are local and global
+  const auto needed = file.needed();
   GElf_Addr library = file.dynamic(DT_VERNEED).value_or(0);
   for (GElf_Xword left = file.dynamic(DT_VERNEEDNUM).value_or(0); left > 0; --left) {
     Elf64_Verneed of{};
     if (!read_at(file, library, of)) return damaged(kBadVersions);
+    const auto name = file.dynamic_text(of.vn_file);  // the dynamic linker asserts that it is there
+    if (std::find(needed.begin(), needed.end(), name) == needed.end()) return damaged(kOfNoLibrary);
     GElf_Addr at = library + of.vn_aux;
     for (unsigned versions = of.vn_cnt; versions > 0; --versions) {
       Elf64_Vernaux one{};

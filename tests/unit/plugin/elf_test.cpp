@@ -294,6 +294,12 @@ TEST(ElfCheck, RefusesFunctionsAndPointersThatLieOutside) {
   EXPECT_THAT(refused(0, -1), HasSubstr("a relocation leads outside"));
 }
 
+/// The dynamic linker asserts that it is, and ends the process.
+TEST(ElfCheck, RefusesVersionsOfALibraryThatIsNotNeeded) {
+  EXPECT_THAT(refusal_with<std::uint32_t>(".gnu.version_r", offsetof(Elf64_Verneed, vn_file), 1),
+              HasSubstr("a version of its symbols is of no library that it needs"));
+}
+
 TEST(ElfCheck, RefusesVersionsOfSymbolsThatLeadOutside) {
   const auto refused = refusal_with<std::uint16_t>;
   const char* const outside = "the versions of its symbols lead outside";
