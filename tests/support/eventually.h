@@ -26,4 +26,18 @@ template <typename Condition>
   return true;
 }
 
+/// The refusal of a change that some member holds up. An attempt that a busy machine delays beyond
+/// its instant changes nothing and is refused for that reason instead, so it is made again until
+/// its refusal is the `expected` one.
+template <typename Apply, typename Expected>
+[[nodiscard]] auto refused_for(Apply apply, Expected expected) {
+  auto answer = apply();
+  static_cast<void>(eventually([&] {
+    if (answer || expected(answer.error())) return true;
+    answer = apply();
+    return false;
+  }));
+  return answer;
+}
+
 }  // namespace mauve::test

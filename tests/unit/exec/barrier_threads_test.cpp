@@ -44,7 +44,8 @@ class BarrierOfThreads : public testing::Test {
 TEST_F(BarrierOfThreads, ChangesNothingWhenAMemberDoesNotCome) {
   hold_left();
 
-  const Result<Receipt> refused = to_second();
+  const Result<Receipt> refused = test::refused_for(
+      [&] { return to_second(); }, [](const Error& error) { return error.at == "left"; });
 
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Errc::timed_out);

@@ -107,7 +107,9 @@ class Partly : public testing::Test {
 TEST_F(Partly, ChangesAreRolledBackOnTheOthers) {
   const std::string before = core("right");
 
-  const Result<Receipt> refused = apply(both<ramp::Down>());
+  const Result<Receipt> refused =
+      test::refused_for([&] { return apply(both<ramp::Down>()); },
+                        [](const Error& error) { return error.at == "left"; });
 
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Errc::timed_out);
