@@ -133,10 +133,13 @@ TEST(Driver, ContinuesEveryOutputOverASwapWithItself) {
 TEST(Driver, UsesNoHeapAndOneSystemCallInAJob) {
   Bench bench;
   ASSERT_TRUE(bench.deploy());
-  ASSERT_TRUE(bench.run_until([&] { return !bench.heard().empty(); })) << "the thread is at work";
+  bench.device.send("21.50\n");
+  // Both threads of the line are at work then. Until they are, a job wakes them again.
+  ASSERT_TRUE(
+      bench.run_until([&] { return bench.temperature() == 21.5 && !bench.heard().empty(); }));
   bench.run_for(kPeriod);
   EXPECT_EQ(bench.cost().heap_calls.value_or(0), 0U);
-  EXPECT_LE(bench.cost().system_calls.value_or(0), 1U) << "a send wakes the thread of the line";
+  EXPECT_LE(bench.cost().system_calls.value_or(0), 1U) << "a send wakes the thread that writes";
 }
 
 }  // namespace
