@@ -142,6 +142,7 @@ class Threads final : public Runner {
     const rt::PiMutexLock lock(mutex_);
     const auto found = workers_.find(&task);
     if (!ended) {
+      worker->abandoned = true;
       worker->thread.abandon();
       keep_for_abandoned(std::shared_ptr<Worker>(std::move(found->second)));
     }
@@ -196,6 +197,7 @@ class Threads final : public Runner {
     TurnWatch turn;
     std::atomic<bool> quit{false};
     std::vector<std::shared_ptr<const Bundle>> inside;  // once lost: the bundles it may use
+    bool abandoned = false;  // its last orders went out while its job was under way
     bool ending = false;
     Instant judged = 0;       // when the job began that the next two are about
     Duration used_before{0};  // of the processor, when its last tenth began
@@ -230,6 +232,7 @@ class Threads final : public Runner {
     while (ours && !worker.quit.load(std::memory_order_relaxed)) ours = step(worker.task);
     const rt::PiMutexLock lock(mutex_);  // the guard is not looking at this thread's job
     if (worker.inside.empty()) worker.task.watch().set_thread_job(nullptr);
+    if (worker.abandoned) worker.task.outputs().repeat();
     worker.ending = true;
     look_again();
   }
@@ -347,6 +350,7 @@ class Threads final : public Runner {
     static_cast<void>(worker->thread.set_priority(0));
     auto next = std::make_unique<Worker>(worker->task, worker->attributes);
     worker->inside = worker->task.bundles();
+    worker->abandoned = true;
     Worker& self = *next;
     lost_.push_back(std::exchange(worker, std::move(next)));
     const Status started = self.thread.start(self.attributes, [this, &self] {

@@ -20,22 +20,25 @@ GuardedComponent::~GuardedComponent() { GuardedOutputs::of_process().forget(*thi
 
 MAUVE_RUNS_AT_A_SWAP void GuardedComponent::change(const void* core, const void* shell,
                                                    bool commanded) {
-  std::uint32_t left = 0;
-  const std::uint32_t held = held_.load(std::memory_order_relaxed);
-  for (std::uint32_t slot = 0; slot < output_slots.size() && held >> slot != 0; ++slot) {
-    const void* const holder = output_slots[slot].holder.load(std::memory_order_relaxed);
-    const bool leaves = is_in_force(holder) && holder != core && holder != shell;
-    if ((held & bit(slot)) != 0 && (leaves || !commanded)) left |= bit(slot);
-  }
+  const void* const left_core = core_.load(std::memory_order_relaxed);
+  const void* const left_shell = shell_.load(std::memory_order_relaxed);
   core_.store(core, std::memory_order_relaxed);
   shell_.store(shell, std::memory_order_relaxed);
-  commanded_.store(commanded, std::memory_order_release);
+  commanded_.store(commanded);
+  std::uint32_t left = 0;
+  const std::uint32_t held = held_.load();
+  for (std::uint32_t slot = 0; slot < output_slots.size() && held >> slot != 0; ++slot) {
+    const void* const holder = output_slots[slot].holder.load(std::memory_order_relaxed);
+    const bool leaves =
+        (holder == left_core && holder != core) || (holder == left_shell && holder != shell);
+    if ((held & bit(slot)) != 0 && (leaves || !commanded)) left |= bit(slot);
+  }
   make_due(left);
 }
 
 void GuardedComponent::stand() {
-  commanded_.store(false, std::memory_order_release);
-  make_due(held_.load(std::memory_order_relaxed));
+  commanded_.store(false);
+  make_due(held_.load());
 }
 
 void GuardedComponent::make_due(std::uint32_t slots) {
@@ -49,8 +52,8 @@ bool GuardedComponent::owns(std::string_view address) const {
 }
 
 void GuardedComponent::add(std::uint32_t slot) {
-  held_.fetch_or(bit(slot), std::memory_order_relaxed);
   due_.fetch_and(~bit(slot), std::memory_order_relaxed);
+  held_.fetch_or(bit(slot));
   if (!commanded_.load() && is_in_force(output_slots.at(slot).holder.load())) make_due(bit(slot));
 }
 

@@ -42,6 +42,9 @@ class GuardedComponent {
   }
   /// No job commands the outputs from now on, or any more: all orders are due. [any]
   void stand();
+  /// A job that mauved had abandoned has ended, and may have commanded since the orders went out:
+  /// all are due once more, unless another job commands. [any]
+  void repeat() { make_due(held_.load()); }
   [[nodiscard]] bool holds_any() const { return held_.load(std::memory_order_relaxed) != 0; }
 
   // --- Of GuardedOutputs, under its lock.
@@ -66,6 +69,8 @@ class GuardedComponent {
   void make_due(std::uint32_t slots);
 
   const std::string name_;
+  // An output that is added, and a job that ceases to command, meet on two threads. Each of them
+  // stores its own fact first, and then looks at that of the other one.
   std::atomic<std::uint32_t> held_{0};  // by slots, as the next one
   std::atomic<std::uint32_t> due_{0};
   std::atomic<const void*> core_{nullptr};

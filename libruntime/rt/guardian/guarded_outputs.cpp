@@ -328,14 +328,19 @@ bool GuardedOutputs::goes_out(const Held& held) const {
                      [&](const GuardedComponent* one) { return one->is_due(held.slot); });
 }
 
-/// Of this owner, or of all (null).
+/// Of this owner, or of all (null). When the thread that sends them gets no processor, this one
+/// sends them once.
 void GuardedOutputs::await_sending(MutexLock& lock, const void* owner) {
   const auto gone_out = [&]() MAUVE_REQUIRES(mutex_) {
     return std::none_of(held_.begin(), held_.end(), [&](const auto& one) MAUVE_REQUIRES(mutex_) {
       return (owner == nullptr || one.first == owner) && goes_out(one.second);
     });
   };
-  changed_.wait_for(lock, kToGoOut, gone_out);
+  if (changed_.wait_for(lock, kToGoOut, gone_out)) return;
+  for (GuardedComponent* component : components_) begin_due(*component);
+  for (auto& [its, held] : held_) {
+    if (owner == nullptr || its == owner) static_cast<void>(advance(held, MonotonicClock().now()));
+  }
 }
 
 void GuardedOutputs::hand_over(Held& held) {

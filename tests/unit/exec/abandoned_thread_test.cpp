@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A thread that never returns from a resource: what becomes of the lock it holds, and of the
-/// resource.
+/// A thread that does not return in time from a resource: what becomes of the lock it holds, and of
+/// the resource. And one that commands a device late.
 #include <gtest/gtest.h>
 
+#include <optional>
+#include <string>
 #include <thread>
 
+#include <unistd.h>
+
+#include "rt/guardian/guarded_outputs.h"
 #include "support/block.h"
 #include "support/outcomes.h"
+#include "support/pipe_device.h"
 #include "support/ramp.h"
 
 #include <mauve/detail/job.h>
+#include <mauve/guarded.h>
 
 namespace mauve {
 namespace {
@@ -179,6 +186,64 @@ TEST(ThreadLostInAResource, TakesTheChangeOfItsUserBackWithoutBlamingTheCoreOfTh
     static_cast<void>(test::tend(deployer));
     return ramp::Up::configured_cores() == 0;
   })) << "its thread was joined, its core cleaned up";
+}
+
+/// The device of the next core.
+test::PipeDevice*& wheels() {
+  static test::PipeDevice* device = nullptr;
+  return device;
+}
+
+/// Its third job waits for something else, and then commands all the same.
+struct LateWheels : ramp::Up {
+  Guarded stand{*this, "stand"};
+  Status on_configure() override {
+    if (Status done = ramp::Up::on_configure(); !done) return done;
+    return stand.hold(wheels()->descriptor(), {.bytes = "stand "});
+  }
+  void on_cleanup() override {
+    stand.drop();
+    ramp::Up::on_cleanup();
+  }
+  void update() override {
+    ramp::Up::update();
+    if (state->value != 3) return;
+    block()->wait();
+    EXPECT_EQ(::write(wheels()->descriptor(), "drive ", 6), 6);
+  }
+};
+
+class ThreadLostInADriver : public testing::Test {
+ protected:
+  ThreadLostInADriver() {
+    block() = &block_;
+    wheels() = &device_;
+    EXPECT_TRUE(outputs_.expect(rt::GuardianUse::off, nullptr));
+    architecture_.control.task().watchdog = 200ms;
+  }
+  ~ThreadLostInADriver() override {
+    deployer_.reset();
+    outputs_.leave();
+  }
+  [[nodiscard]] bool heard(const std::string& bytes) {
+    return eventually([&] { return device_.bytes() == bytes; });
+  }
+
+  Block block_;
+  test::PipeDevice device_;
+  rt::GuardedOutputs& outputs_ = rt::GuardedOutputs::of_process();
+  ramp::One<LateWheels> architecture_;
+  std::optional<Deployer> deployer_{std::in_place, architecture_};
+};
+
+TEST_F(ThreadLostInADriver, HasItsOrderRepeatedAfterTheLastCommandOfItsJob) {
+  ASSERT_TRUE(deployer_->deploy());
+  ASSERT_TRUE(is_faulted(*deployer_, "control"));
+  ASSERT_TRUE(heard("stand stand "));
+
+  block_.let_go();
+
+  EXPECT_TRUE(heard("stand stand drive stand stand "));
 }
 
 }  // namespace

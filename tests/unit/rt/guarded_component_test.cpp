@@ -5,7 +5,12 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <atomic>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
 #include <optional>
 #include <string>
 
@@ -197,6 +202,62 @@ TEST_F(SafeOrders, GoOutBeforeAnEndInOrder) {
   outputs_.say_goodbye();
 
   EXPECT_EQ(device_.bytes(), "stand stand ");
+}
+
+TEST_F(SafeOrders, GoOutOnceMoreWhenAnAbandonedJobEnds) {
+  ASSERT_TRUE(hold(core_, device_));
+  drives_->stand();
+  ASSERT_TRUE(gets(device_, "stand stand "));
+
+  drives_->repeat();
+
+  EXPECT_TRUE(gets(device_, "stand stand stand stand "));
+}
+
+TEST_F(SafeOrders, StayWhenAnAbandonedJobEndsWhileAnotherOneCommands) {
+  ASSERT_TRUE(hold(core_, device_));
+
+  drives_->repeat();
+  drop(core_);
+
+  EXPECT_EQ(device_.bytes(), "");
+}
+
+/// Keeps the thread that it interrupts.
+std::atomic<bool> keeps_thread{false};
+std::atomic<bool> has_thread{false};
+void keep_thread(int /*signal*/) {
+  has_thread = true;
+  while (keeps_thread) usleep(1000);
+}
+
+/// Of the thread that sends the orders; 0: it is not there.
+pid_t sender() {
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::string name;
+    std::getline(std::ifstream(thread.path() / "comm"), name);
+    if (name == "mauve-safe") return std::stoi(thread.path().filename());
+  }
+  return 0;
+}
+
+TEST_F(SafeOrders, GoOutAlsoWhenTheThreadThatSendsThemGetsNoProcessor) {
+  ASSERT_TRUE(hold(core_, device_));
+  drives_->stand();
+  ASSERT_TRUE(gets(device_, "stand stand "));
+  drives_->put_in_force(&core_, &shell_, true);
+  static_cast<void>(outputs_.names());  // from here on the thread has no lock
+  std::signal(SIGUSR1, keep_thread);
+  keeps_thread = true;
+  ASSERT_EQ(tgkill(getpid(), sender(), SIGUSR1), 0);
+  ASSERT_TRUE(test::eventually([] { return has_thread.load(); }));
+
+  drives_->stand();
+  drop(core_);
+  keeps_thread = false;
+
+  EXPECT_EQ(device_.bytes(), "stand stand stand ");
+  std::signal(SIGUSR1, SIG_DFL);
 }
 
 TEST_F(SafeOrders, AreRefusedForADescriptorThatWouldMakeTheThreadWait) {
