@@ -5,9 +5,13 @@
 #include <array>
 #include <atomic>
 #include <csignal>
+#include <cstdarg>
+#include <cstdio>
 #include <cstdlib>
 
 #include <dlfcn.h>
+#include <err.h>
+#include <error.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -147,6 +151,18 @@ void end_body_of_owner(const mauve::rt::Fault& fault) {
   if (mauve::rt::speaking_process.load() == getpid()) mauve::rt::end_body(fault);
 }
 
+/// The text of a message, cut to the room there is.
+class Message {
+ public:
+  Message(const char* format, va_list words) {
+    std::vsnprintf(text_.data(), text_.size(), format, words);
+  }
+  [[nodiscard]] const char* text() const { return text_.data(); }
+
+ private:
+  std::array<char, 1024> text_{};
+};
+
 }  // namespace
 
 // These stand before those of the C library. A job or hook that calls one of them ends, and not the
@@ -192,6 +208,53 @@ void __assert_fail(const char* assertion, const char* file, unsigned line,
   next<void(const char*, const char*, unsigned, const char*)>("__assert_fail")(assertion, file,
                                                                                line, function);
   mauve::rt::end_now(128 + SIGABRT);
+}
+
+// The next ones call exit() within the C library, where the one above does not precede it.
+
+void verr(int status, const char* format, va_list words) {
+  end_body_of_owner({.call = "err", .status = status});
+  next<void(int, const char*, va_list)>("verr")(status, format, words);
+  mauve::rt::end_now(status);
+}
+
+void verrx(int status, const char* format, va_list words) {
+  end_body_of_owner({.call = "errx", .status = status});
+  next<void(int, const char*, va_list)>("verrx")(status, format, words);
+  mauve::rt::end_now(status);
+}
+
+void err(int status, const char* format, ...) {
+  va_list words;
+  va_start(words, format);
+  verr(status, format, words);
+}
+
+void errx(int status, const char* format, ...) {
+  va_list words;
+  va_start(words, format);
+  verrx(status, format, words);
+}
+
+/// With the status 0 it returns.
+void error(int status, int number, const char* format, ...) {
+  if (status != 0) end_body_of_owner({.call = "error", .status = status});
+  va_list words;
+  va_start(words, format);
+  const Message message(format, words);
+  va_end(words);
+  next<void(int, int, const char*, ...)>("error")(status, number, "%s", message.text());
+}
+
+void error_at_line(int status, int number, const char* file, unsigned line, const char* format,
+                   ...) {
+  if (status != 0) end_body_of_owner({.call = "error_at_line", .status = status});
+  va_list words;
+  va_start(words, format);
+  const Message message(format, words);
+  va_end(words);
+  next<void(int, int, const char*, unsigned, const char*, ...)>("error_at_line")(
+      status, number, file, line, "%s", message.text());
 }
 
 }  // extern "C"

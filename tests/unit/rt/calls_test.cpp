@@ -12,6 +12,8 @@
 #include <thread>
 #include <vector>
 
+#include <err.h>
+#include <error.h>
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <locale.h>
@@ -24,6 +26,7 @@
 #include <unistd.h>
 
 #include "refused_calls.h"
+#include "rt/thread/ends.h"
 #include "rt/thread/run_guarded.h"
 #include "rt/thread/thread.h"
 #include "rt/thread/user_threads.h"
@@ -31,9 +34,13 @@
 namespace mauve::rt {
 namespace {
 
+Fault fault_of(Call call) {
+  return run_guarded([](void* of) { (*static_cast<Call*>(of))(); }, &call, kUnwatched);
+}
+
 /// The function that ended the body, or "" if none did.
 std::string refused(Call call) {
-  const Fault fault = run_guarded([](void* of) { (*static_cast<Call*>(of))(); }, &call, kUnwatched);
+  const Fault fault = fault_of(call);
   return fault.call == nullptr || fault.because == nullptr ? "" : fault.call;
 }
 
@@ -124,6 +131,28 @@ TEST_F(Calls, OfTheTableAreAllTried) {
       << #name;
 #include "rt/calls/process_wide.def"
 #undef MAUVE_CALL
+}
+
+/// They call exit() within the C library.
+TEST_F(Calls, ThatReportAnErrorAndEndTheProcessEndTheBody) {
+  const std::map<std::string, Call> reports{
+      {"err", [] { err(1, "%s", "no answer"); }},
+      {"errx", [] { errx(0, "%s", "no answer"); }},
+      {"error", [] { error(1, 0, "%s", "no answer"); }},
+      {"error_at_line", [] { error_at_line(1, 0, __FILE__, __LINE__, "%s", "no answer"); }},
+  };
+  const EndHandlers handlers;
+  for (const auto& [name, call] : reports) EXPECT_EQ(fault_of(call).call, name);
+  EXPECT_FALSE(fault_of([] { error(0, 0, "%s", "a message alone ends nothing"); }).happened());
+}
+
+TEST_F(Calls, ThatReportAnErrorDoSoInOtherCode) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(err(3, "no %s", "answer"), testing::ExitedWithCode(3), "no answer: ");
+  EXPECT_EXIT(errx(4, "no %s", "answer"), testing::ExitedWithCode(4), "no answer");
+  EXPECT_EXIT(error(5, 0, "no %s", "answer"), testing::ExitedWithCode(5), "no answer");
+  EXPECT_EXIT(error_at_line(6, 0, "here", 7, "no %s", "answer"), testing::ExitedWithCode(6),
+              "here:7: no answer");
 }
 
 TEST_F(Calls, ThatChangeNothingAreNotRefused) {

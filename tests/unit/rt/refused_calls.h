@@ -16,6 +16,7 @@
 #include <grp.h>
 #include <malloc.h>
 #include <pthread.h>
+#include <pty.h>
 #include <sched.h>
 #include <spawn.h>
 #include <sys/fsuid.h>
@@ -26,6 +27,7 @@
 #include <sys/stat.h>
 #include <sys/time.h>
 #include <unistd.h>
+#include <utmp.h>
 
 // Some of the calls are deprecated, and are called all the same.
 #pragma GCC diagnostic push
@@ -60,6 +62,8 @@ inline const std::map<std::string, Call> kCalls{
     {"dup2", [] { use(dup2(1, 0)); }},
     {"dup3", [] { use(dup3(1, 0, 0)); }},
     {"fclose", [] { use(fclose(stdin)); }},
+    {"fcloseall", [] { use(fcloseall()); }},
+    {"login_tty", [] { use(login_tty(-1)); }},
     {"freopen", [] { use(freopen("/dev/null", "r", stdin)); }},
     {"freopen64", [] { use(freopen64("/dev/null", "r", stdin)); }},
     {"setenv", [] { use(setenv("MAUVE_NEVER_SET", "1", 0)); }},
@@ -135,6 +139,11 @@ inline const std::map<std::string, Call> kCalls{
      [] {
        if (vfork() == 0) _exit(1);
      }},
+    {"forkpty",
+     [] {
+       int end = -1;
+       if (forkpty(&end, nullptr, nullptr, nullptr) == 0) _exit(1);
+     }},
     {"daemon", [] { use(daemon(1, 1)); }},
     {"system", [] { use(system("true")); }},
     {"execve", [] { use(execve("/nowhere", environ, environ)); }},
@@ -187,6 +196,7 @@ inline const std::map<std::string, Call> kCalls{
     {"unshare", [] { use(unshare(0)); }},
     {"setns", [] { use(setns(-1, 0)); }},
     {"setsid", [] { use(setsid()); }},
+    {"setpgrp", [] { use(setpgrp()); }},
     {"setpgid", [] { use(setpgid(0, getpgrp())); }},
     {"nice", [] { use(nice(0)); }},
     {"setpriority", [] { use(setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0))); }},
