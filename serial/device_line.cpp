@@ -25,10 +25,12 @@ DeviceLine::DeviceLine(mauve::Configurable& core, LineSettings settings)
       unsent(core, "unsent", 0, "commands that found no room"),
       unplugged(core, "unplugged", "its device is not there"),
       takes_no_bytes(core, "takes_no_bytes", "its device does not take the commands"),
+      core_(core),
       use_(settings.use) {}
 
 mauve::Status DeviceLine::open() {
   heard_ = mauve::job_time();
+  port_.belongs_to(core_.address());
   if (mauve::Status opened = port_.open(device, baud, SerialPort::Missing::accepted, use_);
       !opened) {
     return opened;
@@ -96,6 +98,9 @@ bool DeviceLine::send(std::string_view bytes) {
 void DeviceLine::report() {
   if (lost_ && thread_.error() == EBUSY) {
     unplugged.begin("its device belongs to another process (time {})", device_errors.get());
+  } else if (lost_ && thread_.error() == kOfAnotherComponent) {
+    unplugged.begin("its device is that of another component, under another name (time {})",
+                    device_errors.get());
   } else if (lost_) {
     unplugged.begin("its device is not there (time {})", device_errors.get());
   } else {

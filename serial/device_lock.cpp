@@ -8,8 +8,10 @@
 #include <unistd.h>
 
 #include <array>
+#include <cstdint>
 #include <cstdio>
 #include <fstream>
+#include <functional>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -34,26 +36,79 @@ int copy_of_own_lock(const struct stat& device, int except) {
   return -1;
 }
 
+// A device has no contents, so each place in it can stand for a component.
+constexpr std::int64_t kComponents = std::int64_t{1} << 40;  // from 0 on: who has the device
+constexpr std::int64_t kWaiting = kComponents;               // from here on: who waits for it
+
+struct flock record(short kind, std::int64_t first, std::int64_t count) {
+  struct flock places {};
+  places.l_type = kind;
+  places.l_whence = SEEK_SET;
+  places.l_start = first;
+  places.l_len = count;
+  return places;
+}
+
+void mark(int descriptor, std::int64_t place) {
+  struct flock places = record(F_RDLCK, place, 1);
+  static_cast<void>(::fcntl(descriptor, F_OFD_SETLK, &places));
+}
+
+/// By another descriptor than this one.
+bool is_marked(int descriptor, std::int64_t first, std::int64_t count) {
+  if (count == 0) return false;  // which would mean: to the end
+  struct flock places = record(F_WRLCK, first, count);
+  return ::fcntl(descriptor, F_OFD_GETLK, &places) == 0 && places.l_type != F_UNLCK;
+}
+
+void close_now(int& descriptor) {
+  if (descriptor >= 0) ::close(std::exchange(descriptor, -1));
+}
+
 }  // namespace
 
-bool DeviceLock::take(int line, const char* path) {
+void DeviceLock::belongs_to(std::string_view address) {
+  const std::string_view component = address.substr(0, address.find('.'));
+  const auto number = std::hash<std::string_view>{}(component);
+  place_ = component.empty() ? -1 : static_cast<std::int64_t>(number % kComponents);
+}
+
+/// The mark of who gets the first lock is there before it, so that whoever comes second sees it.
+DeviceLock::Found DeviceLock::take(int line, const char* path, Opening opening) {
   release();
   struct stat device {};
   struct stat opened {};
-  const int own = ::open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
-  const bool same = own >= 0 && ::fstat(line, &device) == 0 && ::fstat(own, &opened) == 0 &&
+  own_ = ::open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+  const bool same = own_ >= 0 && ::fstat(line, &device) == 0 && ::fstat(own_, &opened) == 0 &&
                     device.st_rdev == opened.st_rdev;
-  lock_ = own;
-  if (!same) return true;  // unplugged at this moment: the line notices that
-  if (lock_now(own)) return true;
-  const int shared = copy_of_own_lock(device, own);
+  if (!same) return Found::free;  // unplugged at this moment: the line notices that
+  if (place_ >= 0) mark(own_, place_);
+  if (lock_now(own_)) return Found::free;
+  if (place_ >= 0) {
+    const bool others =
+        is_marked(own_, 0, place_) || is_marked(own_, place_ + 1, kComponents - place_ - 1);
+    const bool waits = opening == Opening::again || is_marked(own_, kWaiting + place_, 1);
+    if (others && waits) {
+      wait_for_it();
+      return Found::other_component;
+    }
+  }
+  lock_ = copy_of_own_lock(device, own_);
+  if (lock_ >= 0) return Found::free;
   release();
-  lock_ = shared;
-  return shared >= 0;
+  return Found::other_process;
+}
+
+/// Until release(), or the next take().
+void DeviceLock::wait_for_it() {
+  struct flock places = record(F_UNLCK, place_, 1);
+  static_cast<void>(::fcntl(own_, F_OFD_SETLK, &places));
+  mark(own_, kWaiting + place_);
 }
 
 void DeviceLock::release() {
-  if (lock_ >= 0) ::close(std::exchange(lock_, -1));
+  close_now(lock_);
+  close_now(own_);
 }
 
 std::string holder_of(const std::string& path) {

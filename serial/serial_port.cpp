@@ -223,7 +223,16 @@ Status SerialPort::open(const std::string& device, int baud, Missing missing, Us
   choose(device, baud, use);
   alone_ = true;
   // Before any setting, which would reach the device of the one that has the lock.
-  if (terminal && !lock_.take(opened.number(), path_.c_str())) {
+  using Found = DeviceLock::Found;
+  const Found found = terminal
+                          ? lock_.take(opened.number(), path_.c_str(), DeviceLock::Opening::first)
+                          : Found::free;
+  if (found == Found::other_component && missing == Missing::accepted) return mauve::ok();
+  if (found == Found::other_component) {
+    return refuse(Errc::conflict, {}, "'" + path_ + "' is the device of another component",
+                  "one device has one driver: stop that one, or name another device");
+  }
+  if (found == Found::other_process) {
     return refuse(Errc::conflict, {}, "'" + path_ + "' belongs to " + holder_of(path_),
                   "one device has one driver: end that process, or name another device");
   }
@@ -255,13 +264,18 @@ void SerialPort::close() {
 }
 
 bool SerialPort::reopen() {
+  lock_.release();  // a device that is gone keeps its number for who waits for it
   Descriptor opened(open_quietly(path_, use_));
   if (!opened.open()) return false;
   const bool terminal = ::isatty(opened.number()) == 1;
   if (use_ == Use::both && !terminal) return false;
-  if (alone_ && terminal && !lock_.take(opened.number(), path_.c_str())) {
-    errno = EBUSY;
-    return false;
+  if (alone_ && terminal) {
+    using Found = DeviceLock::Found;
+    const Found found = lock_.take(opened.number(), path_.c_str(), DeviceLock::Opening::again);
+    if (found != Found::free) {
+      errno = found == Found::other_process ? EBUSY : kOfAnotherComponent;
+      return false;
+    }
   }
   if (!set_raw(opened.number(), baud_)) return false;
   terminal_ = terminal;

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <csignal>
 #include <string>
+#include <utility>
 
 #include "line_core.h"
 
@@ -67,6 +68,82 @@ TEST_F(Line, LeavesTheSpeedOfADeviceThatAnotherProcessHolds) {
   EXPECT_EQ(errno, EBUSY);
   EXPECT_EQ(speed_of(far_), before);
   fs::remove(link);
+}
+
+/// Lines of two components, which know one device under two names. It is not there at first.
+class OneDeviceOfTwo : public Line {
+ protected:
+  OneDeviceOfTwo() {
+    left_.belongs_to("left.core");
+    right_.belongs_to("right.core");
+    for (auto [port, name] : {std::pair{&left_, "left"}, {&right_, "right"}}) {
+      EXPECT_TRUE(
+          port->open(link_name(name), 0, SerialPort::Missing::accepted, SerialPort::Use::both));
+    }
+  }
+  ~OneDeviceOfTwo() override { unplug(); }
+
+  void plug_in() {
+    for (const char* name : {"left", "right"}) fs::create_symlink(far_.device(), link_name(name));
+  }
+  void unplug() {
+    for (const char* name : {"left", "right"}) fs::remove(link_name(name));
+  }
+  /// A core that comes after the one with this line.
+  [[nodiscard]] bool successor_opens(const char* component) {
+    SerialPort next;
+    next.belongs_to(std::string(component) + ".core");
+    return next.open(link_name(component), 0, SerialPort::Missing::accepted,
+                     SerialPort::Use::both) &&
+           next.is_open();
+  }
+
+  SerialPort left_;
+  SerialPort right_;
+};
+
+TEST_F(OneDeviceOfTwo, IsThatOfTheFirstUntilItLetsGo) {
+  plug_in();
+
+  ASSERT_TRUE(left_.reopen());
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_FALSE(right_.reopen());
+    EXPECT_EQ(errno, kOfAnotherComponent);
+  }
+
+  left_.close();
+  EXPECT_TRUE(right_.reopen());
+  EXPECT_FALSE(left_.reopen());
+  EXPECT_EQ(errno, kOfAnotherComponent);
+}
+
+TEST_F(OneDeviceOfTwo, IsOfEachCoreOfItsComponentAndOfNoOtherThatWaits) {
+  plug_in();
+  ASSERT_TRUE(left_.reopen());
+  ASSERT_FALSE(right_.reopen());
+
+  EXPECT_TRUE(successor_opens("left"));
+  EXPECT_FALSE(successor_opens("right"));
+}
+
+TEST_F(OneDeviceOfTwo, GoesOverToADriverThatTakesThePlaceOfTheOther) {
+  plug_in();
+  ASSERT_TRUE(left_.reopen());
+
+  EXPECT_TRUE(successor_opens("right")) << "it has not waited";
+}
+
+TEST_F(OneDeviceOfTwo, IsNotKeptByALineThatWaits) {
+  plug_in();
+  ASSERT_TRUE(left_.reopen());
+  ASSERT_FALSE(right_.reopen());
+  unplug();
+  left_.close();
+
+  EXPECT_FALSE(right_.reopen());
+
+  EXPECT_EQ(errno, ENOENT);
+  const OtherProcess other(far_.device());
 }
 
 }  // namespace

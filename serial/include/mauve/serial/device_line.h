@@ -26,9 +26,10 @@ struct LineSettings {
 /// The device of one core, declared as a member after the State. The State of the core contains
 /// the LineBytes, so that no byte is lost or read twice in a change. The core calls open() in
 /// on_configure() and close() in on_cleanup(). Each job takes the bytes that came, and calls
-/// reopen() while lost(). The device belongs to this process alone (flock). Several cores may open
-/// it at once, as a change needs it: only the one that ran last reads. A core has one DeviceLine,
-/// which declares the properties `device` and `baud` and the counters below.
+/// reopen() while lost(). The device belongs to this process alone, and there to one component
+/// (device_lock.h). Several of its cores may open it at once, as a change needs it: only the one
+/// that ran last reads. A core has one DeviceLine, which declares the properties `device` and
+/// `baud` and the counters below.
 class DeviceLine {
  public:
   /// A number of events that people see.
@@ -88,6 +89,7 @@ class DeviceLine {
   void begin_job(LineBytes& line);
   void report();
 
+  const mauve::Configurable& core_;
   SerialPort::Use use_;
   SerialPort port_;
   LineThread thread_;         // ends before the port does

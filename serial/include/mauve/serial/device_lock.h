@@ -1,30 +1,51 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// DeviceLock: a serial device belongs to one process.
+/// DeviceLock: a serial device belongs to one process, and there to one component.
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace mauve::serial {
 
-/// A lock of flock(2), which holds against root too, and which other programs for serial lines ask
-/// for as well. It lies on a descriptor of its own: that of the line goes to the guardian, which
-/// outlives the process. All lines of this process share it, so a core takes the line over from the
-/// one that it replaces.
+/// Two locks that the kernel keeps while a descriptor of their own is open: that of the line goes
+/// to the guardian, which outlives the process.
+///
+/// The lock of flock(2) keeps other processes away. It holds against root too, and other programs
+/// for serial lines ask for it as well. All lines of this process share it, so a core takes the
+/// line over from the one that it replaces.
+///
+/// A record lock (F_OFD_SETLK, fcntl(2)) at a place that stands for the component shows the lines
+/// of other components who has the device. They may be in other plugins, and know it by another
+/// name.
 class DeviceLock {
  public:
+  /// What take() found.
+  enum class Found : std::uint8_t { free, other_process, other_component };
+  /// The first opening of a line shares the device with another component: a change that puts one
+  /// driver in place of another has checked that (mauved refuses two drivers of one device). That
+  /// does not hold for a component of which another line waits for the device already.
+  enum class Opening : bool { first, again };
+
   DeviceLock() = default;
   ~DeviceLock() { release(); }
   DeviceLock(const DeviceLock&) = delete;
   DeviceLock& operator=(const DeviceLock&) = delete;
 
-  /// Of the terminal that `line` is open on, by its path. False: another process holds it. Takes no
-  /// memory.
-  bool take(int line, const char* path);
-  /// Another process may take the device from now on.
+  /// An address in the component, such as "base.core". Without one it has no component, and shares
+  /// the device with all of this process. Before take(). [factory]
+  void belongs_to(std::string_view address);
+  /// Of the terminal that `line` is open on, by its path. Takes no memory.
+  Found take(int line, const char* path, Opening opening);
+  /// Others may take the device from now on.
   void release();
 
  private:
-  int lock_ = -1;
+  void wait_for_it();
+
+  int own_ = -1;             // with the record lock
+  int lock_ = -1;            // with the lock of the process
+  std::int64_t place_ = -1;  // of the component; -1: it has none
 };
 
 /// "process 4711 (mauved)", or "another process" where the system does not say.

@@ -3,6 +3,7 @@
 /// one.
 #pragma once
 
+#include <cerrno>
 #include <cstddef>
 #include <span>
 #include <string>
@@ -34,6 +35,9 @@ class Descriptor {
   int number_ = -1;
 };
 
+/// The errno of a device that another component of this process has.
+inline constexpr int kOfAnotherComponent = EALREADY;
+
 /// The path that `name` stands for: itself, or for "pty:NAME" the link of that name that this
 /// process keeps for itself, in $RUNTIME_DIRECTORY, $XDG_RUNTIME_DIR or /tmp.
 [[nodiscard]] std::string line_path(const std::string& name);
@@ -53,7 +57,7 @@ class LineEnd {
   [[nodiscard]] virtual std::ptrdiff_t write(std::string_view bytes) const = 0;
   /// The device is not used from now on.
   virtual void close() = 0;
-  /// The same once more, after it failed or was closed. Takes no memory.
+  /// The same once more, after it failed or was closed. False with errno set. Takes no memory.
   virtual bool reopen() = 0;
   /// The name under which others may open the same device; empty: no other can.
   [[nodiscard]] virtual std::string name() const { return {}; }
@@ -79,6 +83,9 @@ class SerialPort final : public LineEnd {
   /// While the device is open, the guardian of the process holds this order for it, unless it is a
   /// "pty:NAME", which ends with the process. Before open(); `guarded` outlives the port. [factory]
   void guard(mauve::Guarded& guarded, const mauve::SafeOrder& order);
+  /// It is the line of the component in which this address is, see DeviceLock. Before open().
+  /// [factory]
+  void belongs_to(std::string_view address) { lock_.belongs_to(address); }
   /// guard() was called, and the device outlives this process.
   [[nodiscard]] bool is_guarded() const { return guarded_ != nullptr && lasts_; }
   /// For reopen() to open it, also while another process has it: for emergencies. [factory]
