@@ -244,7 +244,8 @@ class Builder {
     auto errors = Wiring(*architecture_).errors();
     Devices devices;  // all of them are new
     for (const ComponentBase* component : architecture_->components()) {
-      devices.put(component->name(), *component->bundle()->core, true);
+      const auto bundle = component->bundle();
+      devices.put(component->name(), *bundle->shell, *bundle->core, true);
     }
     std::ranges::move(devices.errors(), std::back_inserter(errors));
     for (Error& error : errors) {

@@ -38,17 +38,18 @@ bool Afterwards::leaves(std::string_view name) const {
 
 /// Asked before the core is configured, which opens the device. check_fit() compares the components
 /// that change with each other.
-Status Afterwards::may_open(const std::string& component, const CoreBase& core) const {
+Status Afterwards::may_open(const std::string& component, const Bundle& next) const {
   Devices devices;
   for (const ComponentBase* one : system_.architecture.components()) {
     const bool another_changes =
         one->name() != component &&
         std::any_of(change_.edits.begin(), change_.edits.end(),
                     [&](const Edit& edit) { return edit.member == one->name(); });
-    if (!another_changes && !leaves(one->name()))
-      devices.put(one->name(), *one->bundle()->core, false);
+    if (another_changes || leaves(one->name())) continue;
+    const auto bundle = one->bundle();
+    devices.put(one->name(), *bundle->shell, *bundle->core, false);
   }
-  devices.put(component, core, true);
+  devices.put(component, *next.shell, *next.core, true);
   auto errors = devices.errors();
   return errors.empty() ? ok() : Status(std::move(errors.front()));
 }

@@ -10,6 +10,7 @@
 
 namespace mauve {
 class ServiceBase;
+struct Bundle;
 struct Change;
 }  // namespace mauve
 
@@ -23,8 +24,8 @@ class Afterwards {
   /// A service of a resource that stays or joins.
   [[nodiscard]] Result<ServiceBase*> find_service(std::string_view address) const;
   [[nodiscard]] bool leaves(std::string_view name) const;
-  /// Does no component that the change leaves alone open the device of this core?
-  [[nodiscard]] Status may_open(const std::string& component, const CoreBase& core) const;
+  /// Does no component that the change leaves alone open a device of this shell or core?
+  [[nodiscard]] Status may_open(const std::string& component, const Bundle& next) const;
   /// May a thread have this priority here?
   [[nodiscard]] Status may_run_at(int priority) const;
 

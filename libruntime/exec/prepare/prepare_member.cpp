@@ -171,7 +171,7 @@ class MemberBuilder {
     if (remake_core_) made_.add(next_->core);
     if (remake_fsm_) made_.add(next_->fsm);
     if (!configure_) return remake_fsm_ ? check_machine(*next_->fsm) : ok();
-    if (Status free = after_.may_open(component_.name(), *next_->core); !free) return free;
+    if (Status free = after_.may_open(component_.name(), *next_); !free) return free;
     const NoPorts no_ports;
     const std::array<Configurable*, 3> order{next_->shell.get(), next_->core.get(),
                                              next_->fsm.get()};
@@ -230,7 +230,7 @@ Result<PreparedMember> prepare_joining(const Afterwards& after, const NewCompone
   const TaskAttributes task = component.bundle()->task;  // configure() makes another bundle
   Status ready = check_cpus(task, component.name());
   if (ready) ready = after.may_run_at(task.priority);
-  if (ready) ready = after.may_open(component.name(), *component.bundle()->core);
+  if (ready) ready = after.may_open(component.name(), *component.bundle());
   const NoPorts no_ports;
   if (ready) ready = component.configure();
   if (!ready) return ready.error();

@@ -13,6 +13,7 @@
 #include <mauve/core.h>
 #include <mauve/detail/property_base.h>
 #include <mauve/host/value.h>
+#include <mauve/shell.h>
 
 namespace mauve {
 namespace {
@@ -48,18 +49,22 @@ const PropertyBase* device_of(const CoreBase& core) {
   return found == all.end() ? nullptr : *found;
 }
 
-void Devices::put(const std::string& component, const CoreBase& core, bool is_new) {
+void Devices::put(const std::string& component, const Shell& shell, const CoreBase& core,
+                  bool is_new) {
   std::set<std::string> before;
   for (const auto& [address, one] : opened_) {
     if (one.component == component) before.insert(one.path);
   }
   remove(component);
-  for (const PropertyBase* const property : core.properties()) {
-    if (!names_device(property)) continue;
-    const Value value = property->value();
-    const auto* const path = value.get_if<std::string>();
-    if (path == nullptr || path->empty()) continue;
-    opened_[property->address()] = {component, *path, is_new && !before.contains(*path)};
+  for (const Configurable* const part :
+       {static_cast<const Configurable*>(&shell), static_cast<const Configurable*>(&core)}) {
+    for (const PropertyBase* const property : part->properties()) {
+      if (!names_device(property)) continue;
+      const Value value = property->value();
+      const auto* const path = value.get_if<std::string>();
+      if (path == nullptr || path->empty()) continue;
+      opened_[property->address()] = {component, *path, is_new && !before.contains(*path)};
+    }
   }
 }
 

@@ -13,19 +13,20 @@ namespace mauve {
 
 class CoreBase;
 class PropertyBase;
+class Shell;
 
 /// The property of the core that names its device: the first one for paths in /dev/
 /// (Limits::within). Null: none does.
 [[nodiscard]] const PropertyBase* device_of(const CoreBase& core);
 
 /// The devices of all components, as they are or as a change would leave them. A device is the text
-/// of a property of a core for paths in /dev/; a core may have several. A resource may share the
-/// device of a component, as a brake does.
+/// of a property of a core or a shell for paths in /dev/; each may have several. A resource may
+/// share the device of a component, as a brake does.
 class Devices {
  public:
-  /// The component has this core now. `is_new`: the core is asked for, and errors() is about it if
-  /// it names another device than the core before.
-  void put(const std::string& component, const CoreBase& core, bool is_new);
+  /// The component has this shell and this core now. `is_new`: they are asked for, and errors() is
+  /// about them if they name another device than those before.
+  void put(const std::string& component, const Shell& shell, const CoreBase& core, bool is_new);
   void remove(const std::string& component);
 
   /// A refusal with `conflict` for each device that is new and is that of another component, under

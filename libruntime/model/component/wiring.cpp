@@ -45,7 +45,7 @@ Wiring::Wiring(const Architecture& architecture) {
   for (const ComponentBase* component : architecture.components()) {
     const auto bundle = component->bundle();
     put(component->name(), *bundle->shell, *bundle->bindings, false);
-    devices_.put(component->name(), *bundle->core, false);
+    devices_.put(component->name(), *bundle->shell, *bundle->core, false);
     tasks_[component->name()] = bundle->task;
   }
   for (const ResourceBase* resource : architecture.resources()) {
@@ -59,7 +59,7 @@ void Wiring::put(const std::string& name, const Shell& shell, const Bindings& bi
 
 void Wiring::put(const std::string& name, const Bundle& bundle) {
   put(name, *bundle.shell, *bundle.bindings, true);
-  devices_.put(name, *bundle.core, true);
+  devices_.put(name, *bundle.shell, *bundle.core, true);
   tasks_[name] = bundle.task;
 }
 

@@ -282,6 +282,36 @@ TEST(Devices, OfOneCoreAreAllCompared) {
   EXPECT_EQ(other.error().at, "base.core.device");
 }
 
+struct ShellWithADevice : Shell {
+  Property<std::string> device{*this, "device", "pty:one", "", {.within = "/dev/ pty:"}};
+};
+struct CoreOfThatShell : Core<ShellWithADevice> {
+  Stateless stateless{*this};
+  void update() {}
+};
+struct DeviceOfAShell : Architecture {
+  Component<ShellWithADevice, CoreOfThatShell, PeriodicFsm<CoreOfThatShell>> base{*this, "base"};
+  Component<EmptyShell, DriverOfADevice, PeriodicFsm<DriverOfADevice>> second{*this, "second"};
+  Status on_configure() override {
+    second.core().device = "pty:two";
+    return ok();
+  }
+};
+
+TEST(Devices, OfAShellAreComparedToo) {
+  DeviceOfAShell robot;
+  Deployer deployer(robot, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+
+  const auto of_core = deployer.set("second.core.device", std::string("pty:one"));
+  const auto of_shell = deployer.set("base.shell.device", std::string("pty:two"));
+
+  ASSERT_FALSE(of_core);
+  EXPECT_EQ(of_core.error().id, "device_has_driver");
+  ASSERT_FALSE(of_shell);
+  EXPECT_EQ(of_shell.error().at, "base.shell.device");
+}
+
 TEST(Notes, NameTransactionsThatWouldAddASecondWriter) {
   using rules::Action;
   Robot robot;
