@@ -5,6 +5,7 @@
 #include <sys/sysmacros.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <set>
 #include <string_view>
@@ -18,27 +19,29 @@
 namespace mauve {
 namespace {
 
-constexpr unsigned kMemoryDevices = 1;  ///< the major number of /dev/null
-constexpr unsigned kInputDevices = 13;  ///< of joysticks
+/// Any number of drivers share these: /dev/null and its like, joysticks, the chips on an I2C bus,
+/// the lines of a GPIO chip. The last have no major number of their own.
+constexpr std::array<unsigned, 3> kSharedMajors{1, 13, 89};
+constexpr std::array<std::string_view, 3> kSharedNames{"/dev/input/", "/dev/i2c-", "/dev/gpiochip"};
 
 bool names_device(const PropertyBase* property) {
   return property->within().find("/dev/") != std::string_view::npos;
 }
 
-/// Equal for two paths of one device; empty: any number of readers may share it.
+/// Equal for two paths of one device; empty: any number of drivers may share it.
 std::string identity_of(const std::string& path) {
   if (path.starts_with("pty:")) return path;  // the name of a simulated one
-  struct stat file {};
-  if (stat(path.c_str(), &file) == 0 && S_ISCHR(file.st_mode)) {
-    const unsigned kind = major(file.st_rdev);
-    const bool shared = kind == kMemoryDevices || kind == kInputDevices;
-    return shared ? "" : std::to_string(kind) + ":" + std::to_string(minor(file.st_rdev));
-  }
   std::error_code failed;
   const auto from = std::filesystem::absolute(path, failed);
   const auto place = std::filesystem::weakly_canonical(from, failed);
   const std::string text = failed ? path : place.string();
-  return text.starts_with("/dev/input/") ? "" : text;
+  const auto begins = [&text](std::string_view name) { return text.starts_with(name); };
+  if (std::ranges::any_of(kSharedNames, begins)) return "";
+  struct stat file {};
+  if (stat(path.c_str(), &file) != 0 || !S_ISCHR(file.st_mode)) return text;
+  const unsigned kind = major(file.st_rdev);
+  if (std::ranges::find(kSharedMajors, kind) != kSharedMajors.end()) return "";
+  return std::to_string(kind) + ":" + std::to_string(minor(file.st_rdev));
 }
 
 }  // namespace

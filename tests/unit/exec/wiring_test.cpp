@@ -298,6 +298,21 @@ struct DeviceOfAShell : Architecture {
   }
 };
 
+TEST(Devices, ThatDriversShareMayBeThatOfSeveral) {
+  TwoDrivers robot;
+  robot.second.core().device = "pty:two";
+  Deployer deployer(robot, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+
+  for (const std::string shared :
+       {"/dev/i2c-1", "/dev/gpiochip0", "/dev/input/event3", "/dev/null"}) {
+    EXPECT_TRUE(deployer.set("base.core.device", shared));
+    EXPECT_TRUE(deployer.set("second.core.device", shared)) << shared;
+  }
+  ASSERT_TRUE(deployer.set("base.core.device", std::string("/dev/ttyUSB7")));
+  EXPECT_FALSE(deployer.set("second.core.device", std::string("/dev/ttyUSB7")));
+}
+
 TEST(Devices, OfAShellAreComparedToo) {
   DeviceOfAShell robot;
   Deployer deployer(robot, {.simulated = true});
