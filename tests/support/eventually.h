@@ -26,9 +26,9 @@ template <typename Condition>
   return true;
 }
 
-/// The refusal of a change that some member holds up. An attempt that a busy machine delays beyond
-/// its instant changes nothing and is refused for that reason instead, so it is made again until
-/// its refusal is the `expected` one.
+/// The refusal of a change that some member holds up. A busy machine may delay an attempt
+/// beyond its instant: that changes nothing, and is refused for this reason instead. So it is made
+/// again until its refusal is the `expected` one.
 template <typename Apply, typename Expected>
 [[nodiscard]] auto refused_for(Apply apply, Expected expected) {
   auto answer = apply();

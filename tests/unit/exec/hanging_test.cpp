@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a deployment does beside a job that does not end.
+/// A deployment with a job that does not end.
 #include <gtest/gtest.h>
 
 #include <future>
@@ -35,16 +35,16 @@ TEST(Deployer, TakesAChangeBackWhenTheComponentNeverEndsItsJob) {
   Deployer deployer(architecture, {.realtime = Realtime::off});
   ASSERT_TRUE(deployer.deploy());
   ASSERT_TRUE(eventually([&] { return deployer.status("control").releases == 1; }));
-  const auto tells_its_time = [](const Error& error) {
+  const auto names_its_time = [](const Error& error) {
     return error.message.find(" ms of the last ") != std::string::npos;
   };
 
   const Result<Receipt> refused =
-      test::refused_for([&] { return deployer.swap_core<ramp::Down>("control"); }, tells_its_time);
+      test::refused_for([&] { return deployer.swap_core<ramp::Down>("control"); }, names_its_time);
 
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Errc::timed_out);
-  EXPECT_TRUE(tells_its_time(refused.error()));
+  EXPECT_TRUE(names_its_time(refused.error()));
   EXPECT_EQ(deployer.generation(), 1u);
   Hanging::released() = true;
   EXPECT_TRUE(eventually([&] { return deployer.status("control").releases > 3; }));

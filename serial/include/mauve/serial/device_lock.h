@@ -20,11 +20,11 @@ namespace mauve::serial {
 /// name.
 class DeviceLock {
  public:
-  /// What take() found.
+  /// The outcome of take().
   enum class Found : std::uint8_t { free, other_process, other_component };
-  /// The first opening of a line shares the device with another component: a change that puts one
-  /// driver in place of another has checked that (mauved refuses two drivers of one device). That
-  /// does not hold for a component of which another line waits for the device already.
+  /// The first opening of a line shares the device with another component. A change that puts one
+  /// driver in place of another needs that, and mauved refuses two drivers of one device before. A
+  /// component of which another line waits for the device already has no such first opening.
   enum class Opening : bool { first, again };
 
   DeviceLock() = default;
