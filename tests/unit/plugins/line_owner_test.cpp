@@ -108,13 +108,13 @@ TEST_F(OneDeviceOfTwo, IsThatOfTheFirstUntilItLetsGo) {
   ASSERT_TRUE(left_.reopen());
   for (int i = 0; i < 2; ++i) {
     EXPECT_FALSE(right_.reopen());
-    EXPECT_EQ(errno, kOfAnotherComponent);
+    EXPECT_EQ(errno, serial::kOfAnotherComponent);
   }
 
   left_.close();
   EXPECT_TRUE(right_.reopen());
   EXPECT_FALSE(left_.reopen());
-  EXPECT_EQ(errno, kOfAnotherComponent);
+  EXPECT_EQ(errno, serial::kOfAnotherComponent);
 }
 
 TEST_F(OneDeviceOfTwo, IsOfEachCoreOfItsComponentAndOfNoOtherThatWaits) {
