@@ -101,6 +101,9 @@ void DeviceLine::report() {
   } else if (lost_ && thread_.error() == kOfAnotherComponent) {
     unplugged.begin("its device is that of another component, under another name (time {})",
                     device_errors.get());
+  } else if (lost_ && thread_.error() == kNotGuarded) {
+    unplugged.begin("its device is there, but no guardian holds its order (time {})",
+                    device_errors.get());
   } else if (lost_) {
     unplugged.begin("its device is not there (time {})", device_errors.get());
   } else {

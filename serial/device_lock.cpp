@@ -36,9 +36,9 @@ int copy_of_own_lock(const struct stat& device, int except) {
   return -1;
 }
 
-// A device has no contents, so each place in it can stand for a component.
-constexpr std::int64_t kComponents = std::int64_t{1} << 40;  // from 0 on: who has the device
-constexpr std::int64_t kWaiting = kComponents;               // from here on: who waits for it
+// A device has no contents, so each place in it can stand for a component of a process.
+constexpr std::int64_t kComponents = std::int64_t{1} << 20;  // of one process
+constexpr std::int64_t kWaiting = std::int64_t{1} << 50;     // from here on: who waits for it
 
 struct flock record(short kind, std::int64_t first, std::int64_t count) {
   struct flock places {};
@@ -61,6 +61,9 @@ bool is_marked(int descriptor, std::int64_t first, std::int64_t count) {
   return ::fcntl(descriptor, F_OFD_GETLK, &places) == 0 && places.l_type != F_UNLCK;
 }
 
+/// Of this process.
+std::int64_t first_place() { return ::getpid() * kComponents; }
+
 void close_now(int& descriptor) {
   if (descriptor >= 0) ::close(std::exchange(descriptor, -1));
 }
@@ -70,7 +73,7 @@ void close_now(int& descriptor) {
 void DeviceLock::belongs_to(std::string_view address) {
   const std::string_view component = address.substr(0, address.find('.'));
   const auto number = std::hash<std::string_view>{}(component);
-  place_ = component.empty() ? -1 : static_cast<std::int64_t>(number % kComponents);
+  place_ = component.empty() ? -1 : first_place() + static_cast<std::int64_t>(number % kComponents);
 }
 
 /// The mark of who gets the first lock is there before it, so that whoever comes second sees it.
@@ -85,8 +88,9 @@ DeviceLock::Found DeviceLock::take(int line, const char* path, Opening opening) 
   if (place_ >= 0) mark(own_, place_);
   if (lock_now(own_)) return Found::free;
   if (place_ >= 0) {
-    const bool others =
-        is_marked(own_, 0, place_) || is_marked(own_, place_ + 1, kComponents - place_ - 1);
+    const std::int64_t first = first_place();
+    const bool others = is_marked(own_, first, place_ - first) ||
+                        is_marked(own_, place_ + 1, first + kComponents - place_ - 1);
     const bool waits = opening == Opening::again || is_marked(own_, kWaiting + place_, 1);
     if (others && waits) {
       wait_for_it();

@@ -23,8 +23,10 @@ void LineOrders::give(std::string_view order) {
 
 LineOrders::Order LineOrders::newest() const { return std::bit_cast<Order>(newest_.load()); }
 
-void LineRequests::begin(std::shared_ptr<const LineOrders> orders, std::size_t most_waiting) {
+void LineRequests::begin(std::shared_ptr<const LineOrders> orders, std::size_t most_waiting,
+                         const LineEnd* end) {
   orders_ = std::move(orders);
+  end_ = end;
   most_waiting_ = most_waiting;
   drop();
 }
@@ -34,19 +36,19 @@ bool LineRequests::put(std::string_view request) {
   if (request.empty()) return true;
   const std::array<char, kHead> head{static_cast<char>(request.size() % 256U),
                                      static_cast<char>(request.size() / 256U),
-                                     static_cast<char>(orders_->number())};
+                                     static_cast<char>(number())};
   return waiting_.put(head, request);
 }
 
 std::string_view LineRequests::next() {
   while (size_ > 0 || take()) {
-    if (written_ > 0 || number_ == orders_->number()) {
+    if (written_ > 0 || number_ == number()) {
       const std::span<const char> rest = repeats_
                                              ? std::span(std::as_const(order_)).subspan(written_)
                                              : waiting_.there(kHead + written_);
       return {rest.data(), std::min(rest.size(), size_ - written_)};
     }
-    end();
+    end_request();
   }
   return {};
 }
@@ -66,15 +68,16 @@ bool LineRequests::take() {
 bool LineRequests::written(std::size_t count) {
   written_ += count;
   if (written_ < size_) return false;
-  end();
+  end_request();
   return true;
 }
 
 /// An order that came while a request or an order went out may have gone out before it: then the
 /// newest order goes out next. An order that has not begun is followed by a newer one, too.
-void LineRequests::end() {
-  const std::uint8_t newest = orders_->number();
+void LineRequests::end_request() {
+  const std::uint8_t newest = number();
   const bool follows = newest != number_ && (repeats_ || written_ > 0);
+  overruled_ = follows;
   if (!repeats_) waiting_.drop(kHead + size_);
   repeats_ = follows;
   number_ = newest;

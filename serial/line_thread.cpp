@@ -23,6 +23,7 @@ constexpr int kGlance = 100;                             // ms: does another lin
 constexpr std::chrono::milliseconds kBetweenLooks{250};  // for a lost device
 constexpr int kPause = 10;  // ms: nothing wakes us when there is room again, or a file grows
 constexpr std::chrono::milliseconds kFarewell{200};
+constexpr unsigned kBetweenChecks = 256;  // uses of the line: a check is a system call
 
 }  // namespace
 
@@ -53,17 +54,14 @@ Status LineThread::start(LineEnd& end, std::size_t most_waiting, Lost lost) {
   end_ = &end;
   lost_ = lost;
   stopping_ = asked_ = false;
+  uses_ = 0;
   followed_ = lost == Lost::opened_to_send;
   device_ = device_of(end);
-  {
-    const std::lock_guard lock(device_->tuning);
-    if (device_->tuned == id()) device_->tuned = 0;  // a line that was at the same address
-  }
   open_ = end.number() >= 0;
   losses_ = 0;
   failed_ = 0;
   looked_ = {};
-  requests_.begin(std::shared_ptr<const LineOrders>(device_, &device_->orders), most_waiting);
+  requests_.begin(std::shared_ptr<const LineOrders>(device_, &device_->orders), most_waiting, &end);
   Status begun = mauve::ok();
   if (lost != Lost::opened_to_send) {
     begun = reader_.begin("mauve-line-in", [this] { read_until_the_end(); });
@@ -83,6 +81,11 @@ void LineThread::stop() {
   writer_.join();
   reader_.join();
   open_ = false;
+  if (device_ == nullptr) return;
+  for (auto* const mark : {&device_->tuned, &device_->reader}) {
+    std::uint64_t its = id();
+    mark->compare_exchange_strong(its, 0);  // the next line may be at this address
+  }
 }
 
 /// The job may be aborted anywhere here: the next job does the rest.
@@ -115,13 +118,12 @@ bool LineThread::reopen() {
   return false;
 }
 
-/// Checks once whether a real-time thread uses the line.
+/// Checks in the first job, and then now and then, whether a real-time thread uses the line.
 void LineThread::follow_the_component() {
-  if (followed_) return;
-  if (CalledThread::caller_is_real_time()) {
-    writer_.hurry();
-    reader_.hurry();
-  }
+  if (followed_ || uses_++ % kBetweenChecks != 0) return;
+  if (!CalledThread::caller_is_real_time()) return;
+  writer_.hurry();
+  reader_.hurry();
   followed_ = true;  // last: the job may be aborted
 }
 
@@ -162,6 +164,7 @@ void LineThread::open_again() {
     device_->left.clear();
   }
   const bool opened = end_->reopen();
+  device_->tuned = 0;
   error_ = opened ? 0 : errno;
   failed_ = 0;
   idle_ = false;
@@ -206,15 +209,18 @@ void LineThread::wait_for_bytes() {
   const bool full = filling && filler_.bytes()->ring.room().empty();
   pollfd line{-1, 0, 0};
   if (filling && !full && !idle_) line.events = POLLIN;
-  // Nobody reads, so only its end counts: a guarded device must be found again.
-  const bool awaits_end = lost_ == Lost::looked_for && open() && line.events == 0 && !idle_;
+  // Nobody reads, so only its end counts. A guarded device must be found again, and any device that
+  // is gone and kept open gets another name when it comes back.
+  const bool awaits_end =
+      open() && line.events == 0 && !idle_ && (lost_ == Lost::looked_for || !filling);
   if (line.events != 0 || awaits_end) line.fd = end_->number();
   const bool glances = filler_.bytes() != nullptr || (lost_ == Lost::looked_for && !open());
   const int longest = full || idle_ ? kPause : glances ? kGlance : -1;
   const bool called = reader_.wait(longest, &line);
   idle_ = false;
   if (called) return;
-  if (lost_ == Lost::looked_for && (line.revents & (POLLHUP | POLLERR)) != 0) {
+  const bool hung_up = (line.revents & (POLLHUP | POLLERR)) != 0;
+  if (hung_up && (lost_ == Lost::looked_for || awaits_end)) {
     lose(EIO);  // a read of a terminal that was hung up returns nothing, and no error
   } else if (line.revents != 0) {
     idle_ = true;  // unless it has something to read
@@ -273,7 +279,10 @@ bool LineThread::write_out() {
     if (count == 0) return true;
     if (count > 0) {
       // A request that was sent meanwhile may meet another loss.
-      if (requests_.written(static_cast<std::size_t>(count))) reopened = false;
+      if (requests_.written(static_cast<std::size_t>(count))) {
+        reopened = false;
+        if (requests_.was_overruled()) end_->repeat_order();
+      }
     } else if (opens) {
       mark_lost(errno);
       end_->close();

@@ -254,7 +254,18 @@ void SerialPort::guard(mauve::Guarded& guarded, const mauve::SafeOrder& order) {
 
 Status SerialPort::be_guarded() {
   if (!is_guarded()) return mauve::ok();
-  return guarded_->hold(device_.number(), order_);
+  Status held = guarded_->hold(device_.number(), order_);
+  times_due_ = guarded_->times_due();
+  return held;
+}
+
+std::uint8_t SerialPort::times_overruled() const {
+  const auto* const times = times_due_.load();
+  return times == nullptr ? 0 : static_cast<std::uint8_t>(times->load());
+}
+
+void SerialPort::repeat_order() {
+  if (is_guarded()) guarded_->repeat();
 }
 
 void SerialPort::close() {
@@ -277,11 +288,14 @@ bool SerialPort::reopen() {
       return false;
     }
   }
-  if (!set_raw(opened.number(), baud_)) return false;
+  // A line that has the device already gave it its speed.
+  if (!set_raw(opened.number(), lock_.is_shared() ? 0 : baud_)) return false;
   terminal_ = terminal;
   device_ = std::move(opened);
-  static_cast<void>(be_guarded());  // a command without a guardian is better than none
-  return true;
+  if (be_guarded()) return true;
+  close();
+  errno = kNotGuarded;
+  return false;
 }
 
 bool SerialPort::tune() {

@@ -6,7 +6,9 @@
 /// commands cease is better: switch that on where there is one. Neither is an emergency stop.
 #pragma once
 
+#include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -58,6 +60,14 @@ class Guarded {
   /// 200 ms. When it returns, nothing is sent to the device any more, unless the guardian did not
   /// answer within a second.
   void drop();
+  /// How often the order fell due so far. No command from before may reach the device after it, so
+  /// a driver whose commands wait for a thread of its own drops those; `mauve::serial` does so.
+  /// Null while it holds nothing; otherwise it lasts as long as the process, and any thread may
+  /// read it. [any but rt]
+  [[nodiscard]] const std::atomic<std::uint32_t>* times_due() const;
+  /// Such a command was under way already, and may have come last: the order is sent again, unless
+  /// a job commands the device. [any but rt]
+  void repeat();
 
   /// Runtime only: does this core or shell have one, whether it holds an order or not? [any but rt]
   [[nodiscard]] static bool declared_by(const Configurable& owner);

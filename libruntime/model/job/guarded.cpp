@@ -30,6 +30,7 @@ Guarded::Guarded(const Configurable& owner, std::string_view name) : owner_(owne
 
 Guarded::~Guarded() {
   drop();
+  rt::GuardedOutputs::of_process().forget_holder(&owner_);
   const MutexLock lock(declared().mutex);
   declared().owners.erase(declared().owners.find(&owner_));
 }
@@ -51,6 +52,12 @@ Status Guarded::hold(int descriptor, const SafeOrder& order) {
 }
 
 bool is_abandoned() { return this_job().running && this_job().has_no_ports(); }
+
+const std::atomic<std::uint32_t>* Guarded::times_due() const {
+  return rt::GuardedOutputs::of_process().times_due(this);
+}
+
+void Guarded::repeat() { rt::GuardedOutputs::of_process().repeat(this); }
 
 void Guarded::drop() { rt::GuardedOutputs::of_process().drop(this); }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "rt/guardian/guarded_component.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "rt/guardian/guarded_outputs.h"
@@ -25,6 +26,9 @@ MAUVE_RUNS_AT_A_SWAP void GuardedComponent::change(const void* core, const void*
   core_.store(core, std::memory_order_relaxed);
   shell_.store(shell, std::memory_order_relaxed);
   commanded_.store(commanded);
+  if (left_core != core && left_core != nullptr) {
+    left_.at(lefts_.fetch_add(1, std::memory_order_relaxed) % kLeft).store(left_core);
+  }
   std::uint32_t left = 0;
   const std::uint32_t held = held_.load();
   for (std::uint32_t slot = 0; slot < output_slots.size() && held >> slot != 0; ++slot) {
@@ -43,6 +47,9 @@ void GuardedComponent::stand() {
 
 void GuardedComponent::make_due(std::uint32_t slots) {
   if (slots == 0) return;
+  for (std::uint32_t slot = 0; slots >> slot != 0; ++slot) {
+    if ((slots & bit(slot)) != 0) output_slots[slot].times_due.fetch_add(1);
+  }
   due_.fetch_or(slots, std::memory_order_release);
   wake_order_sender();
 }
@@ -54,7 +61,19 @@ bool GuardedComponent::owns(std::string_view address) const {
 void GuardedComponent::add(std::uint32_t slot) {
   due_.fetch_and(~bit(slot), std::memory_order_relaxed);
   held_.fetch_or(bit(slot));
-  if (!commanded_.load() && is_in_force(output_slots.at(slot).holder.load())) make_due(bit(slot));
+  const void* const holder = output_slots.at(slot).holder.load();
+  if (is_in_force(holder) ? !commanded_.load() : was_in_force(holder)) make_due(bit(slot));
+}
+
+bool GuardedComponent::was_in_force(const void* core) const {
+  return std::any_of(left_.begin(), left_.end(), [core](const auto& one) { return one == core; });
+}
+
+void GuardedComponent::forget(const void* core) {
+  for (auto& one : left_) {
+    const void* its = core;
+    one.compare_exchange_strong(its, nullptr);
+  }
 }
 
 void GuardedComponent::remove(std::uint32_t slot) {

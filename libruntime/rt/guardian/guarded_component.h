@@ -4,6 +4,7 @@
 
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -16,6 +17,7 @@ namespace mauve::rt {
 struct OutputSlot {
   std::atomic<const void*> holder{nullptr};  ///< the core or shell that declares it; null: none
   std::atomic<std::uint64_t> device{0};      ///< the same number for each way to the device
+  std::atomic<std::uint32_t> times_due{0};   ///< how often its order fell due, of all owners
 };
 /// By number; the bits below are in this order.
 extern std::array<OutputSlot, guardian::kMostOutputs> output_slots;
@@ -44,16 +46,21 @@ class GuardedComponent {
   void stand();
   /// A job that mauved had abandoned has ended, and may have commanded since the orders went out:
   /// all are due once more, unless another job commands. [any]
-  void repeat() { make_due(held_.load()); }
+  void repeat() {
+    if (!commanded_.load()) make_due(held_.load());
+  }
   [[nodiscard]] bool holds_any() const { return held_.load(std::memory_order_relaxed) != 0; }
 
   // --- Of GuardedOutputs, under its lock.
   /// Is the output with this address one of the component?
   [[nodiscard]] bool owns(std::string_view address) const;
-  /// Its order is due at once if the core in force holds it, and no job commands: the device came
-  /// back.
+  /// A device that came back. Its order is due at once if the core in force holds it and no job
+  /// commands, or if a core holds it that was in force before: the device still has its last
+  /// command.
   void add(std::uint32_t slot);
   void remove(std::uint32_t slot);
+  /// There is no such core any more.
+  void forget(const void* core);
   [[nodiscard]] std::uint32_t take_due() { return due_.exchange(0, std::memory_order_acquire); }
   [[nodiscard]] bool is_due(std::uint32_t slot) const { return (due_.load() & bit(slot)) != 0; }
   [[nodiscard]] bool commands(std::uint64_t device) const;
@@ -61,6 +68,9 @@ class GuardedComponent {
   static constexpr std::uint32_t bit(std::uint32_t slot) { return 1U << slot; }
 
  private:
+  static constexpr std::size_t kLeft = 4;  // the newest ones; those of a probation are not more
+
+  [[nodiscard]] bool was_in_force(const void* core) const;
   [[nodiscard]] bool is_in_force(const void* holder) const {
     return core_.load(std::memory_order_relaxed) == holder ||
            shell_.load(std::memory_order_relaxed) == holder;
@@ -75,6 +85,8 @@ class GuardedComponent {
   std::atomic<std::uint32_t> due_{0};
   std::atomic<const void*> core_{nullptr};
   std::atomic<const void*> shell_{nullptr};
+  std::array<std::atomic<const void*>, kLeft> left_{};  // cores that were in force
+  std::atomic<std::uint32_t> lefts_{0};
   std::atomic<bool> commanded_{false};
 };
 

@@ -61,6 +61,12 @@ std::uint64_t device_of(int descriptor) {
 std::atomic<std::uint32_t> sender_bell{0};  // of the thread that sends orders
 constexpr Duration kToGoOut = 500ms;
 
+/// A guardian that is deaf is as good as none: the link finds the connection ended, and looks for
+/// another.
+void give_up(int socket) {
+  if (socket >= 0) shutdown(socket, SHUT_RDWR);
+}
+
 }  // namespace
 
 void wake_order_sender() { futex_bump(sender_bell); }
@@ -128,10 +134,15 @@ Status GuardedOutputs::hold(const Owner& by, int descriptor, const SafeOrder& or
   if (!keeps_) return ok();
   auto next = made(by, descriptor, order);
   if (!next) return next.error();
-  held_[owner] = *std::move(next);
-  show(by);
+  Held& held = held_[owner] = *std::move(next);
+  OutputSlot& slot = output_slots.at(held.slot);
+  slot.holder = by.holder;
+  slot.device = held.device;
+  for (GuardedComponent* component : components_) {
+    if (component->owns(by.name)) component->add(held.slot);
+  }
   if (socket_ >= 0) {
-    hand_over(held_[owner]);
+    hand_over(held);
   } else if (ring_) {
     ring_();
   }
@@ -140,7 +151,7 @@ Status GuardedOutputs::hold(const Owner& by, int descriptor, const SafeOrder& or
     return found == held_.end() || found->second.answered || !found->second.refused.empty() ||
            (looked_ && socket_ < 0);
   };
-  if (!changed_.wait_for(lock, looked_ ? kToAnswer : kToBeFound, settled)) give_it_up();
+  if (!changed_.wait_for(lock, looked_ ? kToAnswer : kToBeFound, settled)) give_up(socket_);
   const auto found = held_.find(owner);
   if (found == held_.end()) return ok();
   std::string why = found->second.refused;
@@ -148,8 +159,11 @@ Status GuardedOutputs::hold(const Owner& by, int descriptor, const SafeOrder& or
     why = "no guardian holds this output, and mauved --guardian require asks for one";
   }
   if (why.empty()) return ok();
-  clear(found->second.slot);
-  held_.erase(found);
+  await_sending(lock, owner);  // of a device that came back while no job commands
+  if (const auto left = held_.find(owner); left != held_.end()) {
+    clear(left->second.slot);
+    held_.erase(left);
+  }
   return refuse({Errc::invalid_value, "output_not_guarded"}, {}, why,
                 "see mauvectl doctor, and man mauve-guardian");
 }
@@ -171,14 +185,25 @@ void GuardedOutputs::drop(const void* owner) {
   held_.erase(owner);
 }
 
-void GuardedOutputs::show(const Owner& owner) {
-  const Held& held = held_[owner.owner];
-  OutputSlot& slot = output_slots.at(held.slot);
-  slot.holder = owner.holder;
-  slot.device = held.device;
-  for (GuardedComponent* component : components_) {
-    if (component->owns(owner.name)) component->add(held.slot);
+void GuardedOutputs::repeat(const void* owner) {
+  {
+    const MutexLock lock(mutex_);
+    const auto found = held_.find(owner);
+    if (found == held_.end()) return;
+    found->second.sending.begin(found->second.order, MonotonicClock().now());
   }
+  wake_order_sender();
+}
+
+const std::atomic<std::uint32_t>* GuardedOutputs::times_due(const void* owner) const {
+  const MutexLock lock(mutex_);
+  const auto found = held_.find(owner);
+  return found == held_.end() ? nullptr : &output_slots.at(found->second.slot).times_due;
+}
+
+void GuardedOutputs::forget_holder(const void* holder) {
+  const MutexLock lock(mutex_);
+  for (GuardedComponent* component : components_) component->forget(holder);
 }
 
 void GuardedOutputs::clear(std::uint32_t slot) {
@@ -321,16 +346,14 @@ Instant GuardedOutputs::advance(Held& held, Instant now) {
   return held.sending.advance(held.order, held.descriptor.get(), now);
 }
 
-/// Is its order due, or on its way?
-bool GuardedOutputs::goes_out(const Held& held) const {
-  return held.sending.under_way() ||
-         std::any_of(components_.begin(), components_.end(),
-                     [&](const GuardedComponent* one) { return one->is_due(held.slot); });
-}
-
 /// Of this owner, or of all (null). When the thread that sends them gets no processor, this one
 /// sends them once.
 void GuardedOutputs::await_sending(MutexLock& lock, const void* owner) {
+  const auto goes_out = [&](const Held& held) MAUVE_REQUIRES(mutex_) {
+    return (held.sending.under_way() && !held.sending.late()) ||
+           std::any_of(components_.begin(), components_.end(),
+                       [&](const GuardedComponent* one) { return one->is_due(held.slot); });
+  };
   const auto gone_out = [&]() MAUVE_REQUIRES(mutex_) {
     return std::none_of(held_.begin(), held_.end(), [&](const auto& one) MAUVE_REQUIRES(mutex_) {
       return (owner == nullptr || one.first == owner) && goes_out(one.second);
@@ -355,18 +378,13 @@ void GuardedOutputs::hand_over(Held& held) {
 
 std::uint32_t GuardedOutputs::send(guardian::Request request, int descriptor) {
   request.number = ++number_;
-  if (!guardian::send(socket_, request, descriptor)) give_it_up();
+  if (!guardian::send(socket_, request, descriptor)) give_up(socket_);
   return number_;
 }
 
 void GuardedOutputs::await(MutexLock& lock, std::uint32_t number) {
   const auto answered = [&]() MAUVE_REQUIRES(mutex_) { return socket_ < 0 || answered_ >= number; };
-  if (!changed_.wait_for(lock, kToAnswer, answered)) give_it_up();
-}
-
-/// One that is deaf is as good as none: the link finds the connection ended, and looks for another.
-void GuardedOutputs::give_it_up() {
-  if (socket_ >= 0) shutdown(socket_, SHUT_RDWR);
+  if (!changed_.wait_for(lock, kToAnswer, answered)) give_up(socket_);
 }
 
 }  // namespace mauve::rt

@@ -54,6 +54,12 @@ class GuardedOutputs {
   /// out, some 200 ms at most. When it returns, nothing is sent to that descriptor any more, or the
   /// guardian did not answer within a second. [any]
   void drop(const void* owner);
+  /// The order of this owner goes out again, unless a job commands its device. [any but rt]
+  void repeat(const void* owner);
+  /// See OutputSlot; null: the owner holds nothing. [any but rt]
+  [[nodiscard]] const std::atomic<std::uint32_t>* times_due(const void* owner) const;
+  /// The core or shell is destroyed. [any but rt]
+  void forget_holder(const void* holder);
   /// Lets the guardian send all orders again: an output that was made safe may have been live
   /// since. [any] Never waits.
   void send_again();
@@ -91,10 +97,7 @@ class GuardedOutputs {
   };
   [[nodiscard]] Result<Held> made(const Owner& owner, int descriptor, const SafeOrder& order) const
       MAUVE_REQUIRES(mutex_);
-  void show(const Owner& owner) MAUVE_REQUIRES(mutex_);
   void clear(std::uint32_t slot) MAUVE_REQUIRES(mutex_);
-  [[nodiscard]] bool goes_out(const Held& held) const MAUVE_REQUIRES(mutex_);
-  void give_it_up() MAUVE_REQUIRES(mutex_);
   void hand_over(Held& held) MAUVE_REQUIRES(mutex_);
   std::uint32_t send(guardian::Request request, int descriptor) MAUVE_REQUIRES(mutex_);
   void await(MutexLock& lock, std::uint32_t number) MAUVE_REQUIRES(mutex_);

@@ -15,11 +15,13 @@ namespace {
 
 constexpr int kRounds = 2;
 constexpr Duration kBetweenTries{1ms};
+constexpr Duration kBetweenLateTries{10ms};
 
 }  // namespace
 
 void OrderSending::begin(const guardian::Order& order, Instant now) {
   rounds_ = kRounds;
+  late_ = false;
   begin_round(order, now);
 }
 
@@ -35,9 +37,12 @@ Instant OrderSending::advance(const guardian::Order& order, int descriptor, Inst
   while (under_way() && due_ <= now) {
     if (!std::exchange(begun_, true) && order.drop_unsent != 0) tcflush(descriptor, TCOFLUSH);
     if (!write_one(order, descriptor)) {
-      const bool gone = errno != EAGAIN && errno != EINTR;
-      if (gone || now >= until_) cancel();
-      return under_way() ? now + kBetweenTries.count() : kForever;
+      if (errno != EAGAIN && errno != EINTR) {  // it is gone
+        cancel();
+        return kForever;
+      }
+      late_ = late_ || now >= until_;
+      return now + (late_ ? kBetweenLateTries : kBetweenTries).count();
     }
     due_ += Duration{std::chrono::microseconds(order.apart_us)}.count();
     if (--times_ > 0) continue;

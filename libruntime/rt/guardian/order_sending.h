@@ -12,10 +12,11 @@
 namespace mauve::rt {
 
 /// Sends an order as often and as far apart as it says, and then once more: a thread of the driver
-/// may have written bytes of its last job. Never waits for the device. One thread at a time.
+/// may have written bytes of its last job. Never waits for the device. One that takes no bytes is
+/// tried until it does, since it goes on with the last command it was given. One thread at a time.
 class OrderSending {
  public:
-  /// The device got its chance when it took no bytes for so long.
+  /// A device that took no bytes for so long is late: nobody waits for it any more.
   static constexpr Duration kPatience{std::chrono::milliseconds(guardian::kMostTimeMs)};
   /// From the first time to the second.
   static constexpr Duration kOnceMore{50ms};
@@ -23,6 +24,7 @@ class OrderSending {
   void begin(const guardian::Order& order, Instant now);
   void cancel() { rounds_ = 0; }
   [[nodiscard]] bool under_way() const { return rounds_ > 0; }
+  [[nodiscard]] bool late() const { return late_; }
   /// All that is due. Returns when to call it again; kForever: it is over.
   Instant advance(const guardian::Order& order, int descriptor, Instant now);
 
@@ -30,7 +32,8 @@ class OrderSending {
   [[nodiscard]] bool write_one(const guardian::Order& order, int descriptor);
   void begin_round(const guardian::Order& order, Instant due);
 
-  int rounds_ = 0;           // left, with the present one
+  int rounds_ = 0;  // left, with the present one
+  bool late_ = false;
   bool begun_ = false;       // this round
   std::uint32_t times_ = 0;  // left in this round
   std::uint32_t bytes_ = 0;  // of the next time, gone

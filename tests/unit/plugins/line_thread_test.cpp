@@ -221,6 +221,8 @@ class Gated final : public mauve::serial::LineEnd {
   }
   void close() override {}
   bool reopen() override { return true; }
+  [[nodiscard]] std::uint8_t times_overruled() const override { return overruled; }
+  void repeat_order() override { ++repeats; }
   [[nodiscard]] std::string name() const override { return "gated"; }
   [[nodiscard]] std::string written() const {
     const std::lock_guard lock(mutex_);
@@ -229,6 +231,8 @@ class Gated final : public mauve::serial::LineEnd {
 
   mutable std::atomic<bool> under_way{false};
   std::atomic<bool> may{false};
+  std::atomic<std::uint8_t> overruled{0};
+  std::atomic<int> repeats{0};
 
  private:
   mauve::serial::Descriptor bell_;
@@ -253,6 +257,24 @@ TEST_F(Line, SendsAnOrderAgainBehindWhatWasUnderWayWhenItCame) {
   EXPECT_TRUE(eventually([&] { return end.written() == "gohalt"; })) << end.written();
   ASSERT_TRUE(driver.send("go again"));
   EXPECT_TRUE(eventually([&] { return end.written() == "gohaltgo again"; })) << end.written();
+}
+
+/// mauved sends the order of a guarded device itself. Its writer may get no processor meanwhile.
+TEST_F(Line, SendsNothingFromBeforeASafeOrderThatFellDue) {
+  Gated end;
+  LineThread driver;
+  ASSERT_TRUE(driver.start(end, 64));
+  ASSERT_TRUE(driver.send("go"));
+  ASSERT_TRUE(eventually([&] { return end.under_way.load(); }));
+  ASSERT_TRUE(driver.send("go on"));
+
+  end.overruled = 1;
+  end.may = true;
+
+  EXPECT_TRUE(eventually([&] { return end.repeats == 1; })) << "it may have come before the end";
+  ASSERT_TRUE(driver.send("go again"));
+  EXPECT_TRUE(eventually([&] { return end.written() == "gogo again"; })) << end.written();
+  EXPECT_EQ(end.repeats, 1);
 }
 
 /// A terminal whose reader waits for a worker of the kernel.

@@ -223,6 +223,59 @@ TEST_F(SafeOrders, StayWhenAnAbandonedJobEndsWhileAnotherOneCommands) {
   EXPECT_EQ(device_.bytes(), "");
 }
 
+TEST_F(SafeOrders, AreCountedWhenTheyFallDueSoThatOlderCommandsAreDropped) {
+  EXPECT_EQ(outputs_.times_due(&core_), nullptr) << "it holds nothing";
+  ASSERT_TRUE(hold(core_, device_));
+  const std::atomic<std::uint32_t>* const times = outputs_.times_due(&core_);
+  const std::uint32_t before = *times;
+
+  drives_->put_in_force(&core_, &shell_, false);
+  EXPECT_EQ(*times, before + 1);
+  drives_->put_in_force(&core_, &shell_, true);
+  drives_->repeat();
+  EXPECT_EQ(*times, before + 1) << "a job commands";
+  drives_->put_in_force(&next_core_, &shell_, true);
+  EXPECT_EQ(*times, before + 2) << "the core left it";
+}
+
+TEST_F(SafeOrders, AreRepeatedForAnOwnerWhoseLastCommandCameLate) {
+  ASSERT_TRUE(hold(core_, device_));
+  outputs_.repeat(&core_);
+  drives_->stand();
+  ASSERT_TRUE(gets(device_, "stand stand ")) << "no order came while a job commanded";
+
+  outputs_.repeat(&core_);
+
+  EXPECT_TRUE(gets(device_, "stand stand stand stand "));
+}
+
+TEST_F(SafeOrders, GoOutToADeviceThatComesBackToACoreThatWasInForce) {
+  ASSERT_TRUE(hold(core_, device_));
+  drop(core_);
+  drives_->put_in_force(&next_core_, &shell_, true);
+
+  ASSERT_TRUE(hold(core_, device_));
+  EXPECT_TRUE(gets(device_, "stand stand "));
+  drop(core_);
+  outputs_.forget_holder(&core_);
+  ASSERT_TRUE(hold(core_, other_device_)) << "a core that is made at the same address";
+  drop(core_);
+
+  EXPECT_EQ(other_device_.bytes(), "");
+}
+
+/// The guardian that is required is not there, so every component stands.
+TEST_F(SafeOrders, GoOutToADeviceThatComesBackAlsoWhenItsOutputIsRefused) {
+  outputs_.leave();
+  ASSERT_TRUE(outputs_.expect(GuardianUse::require, nullptr));
+  outputs_.attach(-1);
+  drives_->stand();
+
+  EXPECT_FALSE(hold(core_, device_));
+
+  EXPECT_EQ(device_.bytes(), "stand stand ");
+}
+
 /// Keeps the thread that it interrupts.
 std::atomic<bool> keeps_thread{false};
 std::atomic<bool> has_thread{false};

@@ -37,6 +37,8 @@ class DeviceLock {
   void belongs_to(std::string_view address);
   /// Of the terminal that `line` is open on, by its path. Takes no memory.
   Found take(int line, const char* path, Opening opening);
+  /// Another line of this process had the device before. After take().
+  [[nodiscard]] bool is_shared() const { return lock_ >= 0; }
   /// Others may take the device from now on.
   void release();
 

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include <mauve/serial/byte_ring.h>
+#include <mauve/serial/serial_port.h>
 
 namespace mauve::serial {
 
@@ -36,7 +37,9 @@ class LineOrders {
 class LineRequests {
  public:
   /// None waits. At most `most_waiting` bytes may wait, counted with three more for each request.
-  void begin(std::shared_ptr<const LineOrders> orders, std::size_t most_waiting);
+  /// `end`, if there is one, counts further orders, which it sends itself.
+  void begin(std::shared_ptr<const LineOrders> orders, std::size_t most_waiting,
+             const LineEnd* end = nullptr);
   /// All of it waits from now on, or nothing and false: too much waits already. [rt]
   bool put(std::string_view request);
 
@@ -46,16 +49,23 @@ class LineRequests {
   [[nodiscard]] std::string_view next();
   /// So many bytes of next() are written; true: these were the last ones of the request.
   bool written(std::size_t count);
+  /// The request that was written last was overruled while it went out.
+  [[nodiscard]] bool was_overruled() const { return overruled_; }
   /// The device that heard a part of the request is gone: the next one hears all of it.
   void again() { written_ = 0; }
   /// No request waits any more; returns whether one did.
   bool drop();
 
  private:
+  [[nodiscard]] std::uint8_t number() const {
+    const unsigned by_end = end_ == nullptr ? 0 : end_->times_overruled();
+    return static_cast<std::uint8_t>(orders_->number() + by_end);
+  }
   bool take();
-  void end();
+  void end_request();
 
   std::shared_ptr<const LineOrders> orders_;
+  const LineEnd* end_ = nullptr;
   std::size_t most_waiting_ = 0;
   ByteRing<16'384> waiting_;  // requests, each after its head
 
@@ -63,6 +73,7 @@ class LineRequests {
   std::size_t size_ = 0;     // 0: there is none
   std::size_t written_ = 0;  // bytes of it
   std::uint8_t number_ = 0;  // of the order that was the newest when it was made
+  bool overruled_ = false;   // the one before was, while it went out
   bool repeats_ = false;     // it is an order that follows a request, and not in the ring
   LineOrders::Order order_{};
 };

@@ -101,7 +101,8 @@ class LineThread {
   std::function<void()> report_unsent_;
   std::function<void(std::size_t)> report_received_;
   std::atomic<bool> stopping_{false};
-  bool followed_ = false;  // the component's own
+  bool followed_ = false;  // the component's own, as the next one
+  unsigned uses_ = 0;
   std::atomic<bool> asked_{false};
   std::atomic<bool> open_{false};  // false under `output_`: then nothing is written any more
   std::atomic<int> failed_{0};     // an errno of a write: the thread that reads closes the end

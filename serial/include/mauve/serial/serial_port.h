@@ -3,8 +3,10 @@
 /// one.
 #pragma once
 
+#include <atomic>
 #include <cerrno>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -37,6 +39,8 @@ class Descriptor {
 
 /// The errno of a device that another component of this process has.
 inline constexpr int kOfAnotherComponent = EALREADY;
+/// The errno of a device that nothing guards, though it is to be guarded.
+inline constexpr int kNotGuarded = EPERM;
 
 /// The path that `name` stands for: itself, or for "pty:NAME" the link of that name that this
 /// process keeps for itself, in $RUNTIME_DIRECTORY, $XDG_RUNTIME_DIR or /tmp.
@@ -63,6 +67,10 @@ class LineEnd {
   [[nodiscard]] virtual std::string name() const { return {}; }
   /// Gives the device the settings of this end, in place of any others; false when it has none.
   virtual bool tune() { return false; }
+  /// How often a safe order overruled all that was sent before, counted on and on. [rt]
+  [[nodiscard]] virtual std::uint8_t times_overruled() const { return 0; }
+  /// Something from before may have come after that order: it is sent again.
+  virtual void repeat_order() {}
 };
 
 /// The device's end. For reading alone a file or a FIFO serves as well: then baud and raw mode do
@@ -95,6 +103,8 @@ class SerialPort final : public LineEnd {
   bool reopen() override;
   [[nodiscard]] std::string name() const override { return path_; }
   bool tune() override;
+  [[nodiscard]] std::uint8_t times_overruled() const override;
+  void repeat_order() override;
   /// The device is there.
   [[nodiscard]] bool is_open() const { return device_.open(); }
   [[nodiscard]] int number() const override { return device_.number(); }
@@ -109,6 +119,7 @@ class SerialPort final : public LineEnd {
   bool alone_ = false;  // the lock is taken at each opening
   std::string path_;
   mauve::Guarded* guarded_ = nullptr;
+  std::atomic<const std::atomic<std::uint32_t>*> times_due_{nullptr};  // of `guarded_`
   mauve::SafeOrder order_;
   std::string order_bytes_;
   bool lasts_ = false;  // longer than this process
