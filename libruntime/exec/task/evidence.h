@@ -80,7 +80,7 @@ class Evidence {
   [[nodiscard]] Verdict weigh(const JobTiming& job, const Rules& rules);
   /// There is evidence, not yet enough for a verdict.
   [[nodiscard]] bool suspicious(const Rules& rules) const {
-    return sum_ > 0 || (too_long_ & rules.window) != 0;
+    return sum_ > 0 || weighted_ > 0 || (too_long_ & rules.window) != 0;
   }
 
  private:

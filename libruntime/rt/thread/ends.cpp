@@ -13,6 +13,7 @@
 #include <err.h>
 #include <error.h>
 #include <sys/syscall.h>
+#include <threads.h>
 #include <unistd.h>
 
 #include "base/mutex.h"
@@ -199,6 +200,21 @@ void pthread_exit(void* value) {
   end_body_of_owner({.call = "pthread_exit"});
   next<void(void*)>("pthread_exit")(value);
   for (;;) pause();
+}
+
+void thrd_exit(int result) {
+  end_body_of_owner({.call = "thrd_exit", .status = result});
+  next<void(int)>("thrd_exit")(result);
+  for (;;) pause();
+}
+
+/// assert_perror().
+void __assert_perror_fail(int error, const char* file, unsigned line,
+                          const char* function) noexcept {
+  end_body_of_owner({.call = "assert_perror"});
+  next<void(int, const char*, unsigned, const char*)>("__assert_perror_fail")(error, file, line,
+                                                                              function);
+  mauve::rt::end_now(128 + SIGABRT);
 }
 
 /// assert() of C and C++.

@@ -2,6 +2,7 @@
 /// Calls that a job or hook may not make, each row of rt/calls/process_wide.def and those beside.
 #include <algorithm>
 #include <atomic>
+#include <cassert>
 #include <cfenv>
 #include <chrono>
 #include <csignal>
@@ -23,6 +24,7 @@
 #include <sys/prctl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#include <threads.h>
 #include <unistd.h>
 
 #include "refused_calls.h"
@@ -133,16 +135,18 @@ TEST_F(Calls, OfTheTableAreAllTried) {
 #undef MAUVE_CALL
 }
 
-/// They call exit() within the C library.
-TEST_F(Calls, ThatReportAnErrorAndEndTheProcessEndTheBody) {
-  const std::map<std::string, Call> reports{
+/// Most of them call exit() within the C library.
+TEST_F(Calls, ThatEndTheProcessOrAThreadOtherwiseEndTheBody) {
+  const std::map<std::string, Call> ends{
       {"err", [] { err(1, "%s", "no answer"); }},
       {"errx", [] { errx(0, "%s", "no answer"); }},
       {"error", [] { error(1, 0, "%s", "no answer"); }},
+      {"assert_perror", [] { __assert_perror_fail(1, __FILE__, __LINE__, __func__); }},
+      {"thrd_exit", [] { thrd_exit(0); }},
       {"error_at_line", [] { error_at_line(1, 0, __FILE__, __LINE__, "%s", "no answer"); }},
   };
   const EndHandlers handlers;
-  for (const auto& [name, call] : reports) EXPECT_EQ(fault_of(call).call, name);
+  for (const auto& [name, call] : ends) EXPECT_EQ(fault_of(call).call, name);
   EXPECT_FALSE(fault_of([] { error(0, 0, "%s", "a message alone ends nothing"); }).happened());
 }
 

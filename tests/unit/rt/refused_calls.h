@@ -139,6 +139,10 @@ inline const std::map<std::string, Call> kCalls{
      [] {
        if (vfork() == 0) _exit(1);
      }},
+    {"_Fork",
+     [] {
+       if (_Fork() == 0) _exit(1);
+     }},
     {"forkpty",
      [] {
        int end = -1;
