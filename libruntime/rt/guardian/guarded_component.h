@@ -54,9 +54,8 @@ class GuardedComponent {
   // --- Of GuardedOutputs, under its lock.
   /// Is the output with this address one of the component?
   [[nodiscard]] bool owns(std::string_view address) const;
-  /// A device that came back. Its order is due at once if the core in force holds it and no job
-  /// commands, or if a core holds it that was in force before: the device still has its last
-  /// command.
+  /// A device that came back still has its last command. So its order is due at once if the core in
+  /// force holds it and no job commands, or if a core holds it that was in force before.
   void add(std::uint32_t slot);
   void remove(std::uint32_t slot);
   /// There is no such core any more.
