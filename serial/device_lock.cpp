@@ -110,6 +110,13 @@ void DeviceLock::wait_for_it() {
   mark(own_, kWaiting + place_);
 }
 
+bool DeviceLock::is_awaited() const {
+  if (own_ < 0 || place_ < 0) return false;
+  const std::int64_t first = first_place();
+  return is_marked(own_, kWaiting + first, place_ - first) ||
+         is_marked(own_, kWaiting + place_ + 1, first + kComponents - place_ - 1);
+}
+
 void DeviceLock::release() {
   close_now(lock_);
   close_now(own_);

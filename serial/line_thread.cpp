@@ -23,6 +23,7 @@ constexpr int kGlance = 100;                             // ms: does another lin
 constexpr std::chrono::milliseconds kBetweenLooks{250};  // for a lost device
 constexpr int kPause = 10;  // ms: nothing wakes us when there is room again, or a file grows
 constexpr std::chrono::milliseconds kFarewell{200};
+constexpr std::chrono::seconds kUnused{3};
 constexpr unsigned kBetweenChecks = 256;  // uses of the line: a check is a system call
 
 }  // namespace
@@ -54,7 +55,8 @@ Status LineThread::start(LineEnd& end, std::size_t most_waiting, Lost lost) {
   end_ = &end;
   lost_ = lost;
   stopping_ = asked_ = false;
-  uses_ = 0;
+  uses_ = seen_uses_ = 0;
+  used_ = std::chrono::steady_clock::now();
   followed_ = lost == Lost::opened_to_send;
   device_ = device_of(end);
   open_ = end.number() >= 0;
@@ -120,7 +122,7 @@ bool LineThread::reopen() {
 
 /// Checks in the first job, and then now and then, whether a real-time thread uses the line.
 void LineThread::follow_the_component() {
-  if (followed_ || uses_++ % kBetweenChecks != 0) return;
+  if (uses_.fetch_add(1, std::memory_order_relaxed) % kBetweenChecks != 0 || followed_) return;
   if (!CalledThread::caller_is_real_time()) return;
   writer_.hurry();
   reader_.hurry();
@@ -131,8 +133,12 @@ void LineThread::read_until_the_end() {
   while (!stopping_.load(std::memory_order_acquire)) {
     filler_.choose();
     if (const int error = failed_; error != 0 && open()) lose(error);
-    const bool looks = lost_ == Lost::looked_for && !open() &&
-                       std::chrono::steady_clock::now() - looked_ >= kBetweenLooks;
+    const auto now = std::chrono::steady_clock::now();
+    const unsigned uses = uses_.load(std::memory_order_relaxed);
+    if (std::exchange(seen_uses_, uses) != uses || !open()) used_ = now;
+    // Its component is stopped or gone, and another one has the device now.
+    if (now - used_ >= kUnused && end_->is_awaited()) lose(kOfAnotherComponent);
+    const bool looks = lost_ == Lost::looked_for && !open() && now - looked_ >= kBetweenLooks;
     if (asked_.exchange(false) || looks) open_again();
     read_in();
     wait_for_bytes();

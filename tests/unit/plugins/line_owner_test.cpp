@@ -133,6 +133,32 @@ TEST_F(OneDeviceOfTwo, GoesOverToADriverThatTakesThePlaceOfTheOther) {
   EXPECT_TRUE(successor_opens("right")) << "it has not waited";
 }
 
+/// The component of the left line is stopped.
+TEST_F(OneDeviceOfTwo, GoesToTheOtherOneWhenNoJobUsesIt) {
+  plug_in();
+  LineThread left;
+  LineThread right;
+  LineBytes of_left;
+  LineBytes of_right;
+  ASSERT_TRUE(left.start(left_, 64, LineThread::Lost::looked_for));
+  ASSERT_TRUE(eventually([&] { return left.open(); }));
+  left.fill(of_left);
+  ASSERT_TRUE(right.start(right_, 64));
+
+  EXPECT_TRUE(eventually([&] {
+    right.fill(of_right);
+    return right.reopen();
+  }));
+
+  EXPECT_FALSE(left.open());
+  EXPECT_FALSE(eventually([&] { return left.reopen(); }, 300ms)) << "it comes second now";
+  EXPECT_EQ(left.error(), serial::kOfAnotherComponent);
+  left.stop();
+  right.stop();
+  left.empty_handed(of_left);
+  right.empty_handed(of_right);
+}
+
 TEST_F(OneDeviceOfTwo, IsNotKeptByALineThatWaits) {
   plug_in();
   ASSERT_TRUE(left_.reopen());

@@ -39,6 +39,8 @@ class DeviceLock {
   Found take(int line, const char* path, Opening opening);
   /// Another line of this process had the device before. After take().
   [[nodiscard]] bool is_shared() const { return lock_ >= 0; }
+  /// A line of another component waits for the device that this one has. After take().
+  [[nodiscard]] bool is_awaited() const;
   /// Others may take the device from now on.
   void release();
 

@@ -27,7 +27,8 @@ namespace mauve::serial {
 /// Serves one end of a line from start() to stop(). A line reads only into bytes that it fills, and
 /// only as many as find room there. Further bytes wait in the kernel, and a core that does not run
 /// takes none from the one that does. Of all lines of one device only the line whose component ran
-/// last reads, at its speed: a core that is gone leaves no line behind that reads for it.
+/// last reads, at its speed: a core that is gone leaves no line behind that reads for it. A line
+/// that no job has used for 3 s lets go of a device for which another component waits.
 class LineThread {
  public:
   /// The treatment of an end that failed: it waits for reopen(), or the thread that reads also
@@ -101,8 +102,8 @@ class LineThread {
   std::function<void()> report_unsent_;
   std::function<void(std::size_t)> report_received_;
   std::atomic<bool> stopping_{false};
-  bool followed_ = false;  // the component's own, as the next one
-  unsigned uses_ = 0;
+  bool followed_ = false;          // the component's own
+  std::atomic<unsigned> uses_{0};  // by the component
   std::atomic<bool> asked_{false};
   std::atomic<bool> open_{false};  // false under `output_`: then nothing is written any more
   std::atomic<int> failed_{0};     // an errno of a write: the thread that reads closes the end
@@ -114,6 +115,8 @@ class LineThread {
   LineRequests requests_;  // their side of the writer under `output_`
 
   // Of the thread that reads.
+  unsigned seen_uses_ = 0;
+  std::chrono::steady_clock::time_point used_;  // when they were others
   bool idle_ = false;  // it is always ready, and has nothing: the end of a file
   std::chrono::steady_clock::time_point looked_;  // for a lost end
 

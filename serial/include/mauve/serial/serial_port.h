@@ -71,6 +71,8 @@ class LineEnd {
   [[nodiscard]] virtual std::uint8_t times_overruled() const { return 0; }
   /// Something from before may have come after that order: it is sent again.
   virtual void repeat_order() {}
+  /// A line of another component waits for the device.
+  [[nodiscard]] virtual bool is_awaited() const { return false; }
 };
 
 /// The device's end. For reading alone a file or a FIFO serves as well: then baud and raw mode do
@@ -105,6 +107,7 @@ class SerialPort final : public LineEnd {
   bool tune() override;
   [[nodiscard]] std::uint8_t times_overruled() const override;
   void repeat_order() override;
+  [[nodiscard]] bool is_awaited() const override { return lock_.is_awaited(); }
   /// The device is there.
   [[nodiscard]] bool is_open() const { return device_.open(); }
   [[nodiscard]] int number() const override { return device_.number(); }
