@@ -81,12 +81,15 @@ DeviceLock::Found DeviceLock::take(int line, const char* path, Opening opening) 
   release();
   struct stat device {};
   struct stat opened {};
-  own_ = ::open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
-  const bool same = own_ >= 0 && ::fstat(line, &device) == 0 && ::fstat(own_, &opened) == 0 &&
-                    device.st_rdev == opened.st_rdev;
-  if (!same) return Found::free;  // unplugged at this moment: the line notices that
+  if (::fstat(line, &device) != 0) return Found::free;
+  for (int* const its : {&own_, &lock_}) {
+    *its = ::open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    const bool same = *its >= 0 && ::fstat(*its, &opened) == 0 && device.st_rdev == opened.st_rdev;
+    if (!same) return Found::free;  // unplugged at this moment: the line notices that
+  }
   if (place_ >= 0) mark(own_, place_);
-  if (lock_now(own_)) return Found::free;
+  if (lock_now(lock_)) return Found::free;
+  close_now(lock_);
   if (place_ >= 0) {
     const std::int64_t first = first_place();
     const bool others = is_marked(own_, first, place_ - first) ||
@@ -98,7 +101,8 @@ DeviceLock::Found DeviceLock::take(int line, const char* path, Opening opening) 
     }
   }
   lock_ = copy_of_own_lock(device, own_);
-  if (lock_ >= 0) return Found::free;
+  shared_ = lock_ >= 0;
+  if (shared_) return Found::free;
   release();
   return Found::other_process;
 }
@@ -120,6 +124,7 @@ bool DeviceLock::is_awaited() const {
 void DeviceLock::release() {
   close_now(lock_);
   close_now(own_);
+  shared_ = false;
 }
 
 std::string holder_of(const std::string& path) {

@@ -9,7 +9,8 @@
 namespace mauve::serial {
 namespace {
 
-constexpr std::size_t kHead = 3;  // before a request: how long it is, and after how many orders
+/// Before a request: how long it is, and after how many orders of both kinds.
+constexpr std::size_t kHead = 4;
 
 }  // namespace
 
@@ -34,15 +35,15 @@ void LineRequests::begin(std::shared_ptr<const LineOrders> orders, std::size_t m
 bool LineRequests::put(std::string_view request) {
   if (waiting_.size() + kHead + request.size() > most_waiting_) return false;
   if (request.empty()) return true;
-  const std::array<char, kHead> head{static_cast<char>(request.size() % 256U),
-                                     static_cast<char>(request.size() / 256U),
-                                     static_cast<char>(number())};
+  const std::array<char, kHead> head{
+      static_cast<char>(request.size() % 256U), static_cast<char>(request.size() / 256U),
+      static_cast<char>(orders_->number()), static_cast<char>(by_end())};
   return waiting_.put(head, request);
 }
 
 std::string_view LineRequests::next() {
   while (size_ > 0 || take()) {
-    if (written_ > 0 || number_ == number()) {
+    if (written_ > 0 || !is_overruled()) {
       const std::span<const char> rest = repeats_
                                              ? std::span(std::as_const(order_)).subspan(written_)
                                              : waiting_.there(kHead + written_);
@@ -61,6 +62,7 @@ bool LineRequests::take() {
   };
   size_ = digit(0) + 256U * digit(1);
   number_ = digit(2);
+  number_by_end_ = digit(3);
   repeats_ = false;
   return true;
 }
@@ -73,14 +75,16 @@ bool LineRequests::written(std::size_t count) {
 }
 
 /// An order that came while a request or an order went out may have gone out before it: then the
-/// newest order goes out next. An order that has not begun is followed by a newer one, too.
+/// newest order goes out next. An order that has not begun is followed by a newer one, too. The end
+/// repeats its own orders.
 void LineRequests::end_request() {
-  const std::uint8_t newest = number();
+  overruled_ = written_ > 0 && is_overruled();
+  const std::uint8_t newest = orders_->number();
   const bool follows = newest != number_ && (repeats_ || written_ > 0);
-  overruled_ = follows;
   if (!repeats_) waiting_.drop(kHead + size_);
   repeats_ = follows;
   number_ = newest;
+  number_by_end_ = by_end();
   order_ = orders_->newest();
   size_ = follows ? static_cast<std::size_t>(order_.back()) : 0;
   written_ = 0;

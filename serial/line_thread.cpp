@@ -33,7 +33,7 @@ struct LineThread::Device {
   std::mutex reading;                    // no thread but those that read ever waits for it
   std::string left;                      // read by one that was the reader until then
   std::mutex tuning;                     // no thread that holds it reads or polls
-  std::atomic<std::uint64_t> tuned{0};   // whose speed it has; changed under `tuning`
+  std::atomic<std::uint64_t> tuned{0};   // whose speed it has, set under `tuning`; 0: nobody's
   LineOrders orders;
 };
 
@@ -135,11 +135,16 @@ void LineThread::read_until_the_end() {
     if (const int error = failed_; error != 0 && open()) lose(error);
     const auto now = std::chrono::steady_clock::now();
     const unsigned uses = uses_.load(std::memory_order_relaxed);
-    if (std::exchange(seen_uses_, uses) != uses || !open()) used_ = now;
-    // Its component is stopped or gone, and another one has the device now.
-    if (now - used_ >= kUnused && end_->is_awaited()) lose(kOfAnotherComponent);
-    const bool looks = lost_ == Lost::looked_for && !open() && now - looked_ >= kBetweenLooks;
-    if (asked_.exchange(false) || looks) open_again();
+    if (std::exchange(seen_uses_, uses) != uses) used_ = now;
+    // Its component is stopped or gone, and another one has the device now. It looks for the device
+    // no more until a job uses the line.
+    const bool unused = now - used_ >= kUnused;
+    if (unused && open() && end_->is_awaited()) lose(kOfAnotherComponent);
+    const bool gave_way = unused && error_ == kOfAnotherComponent;
+    const bool soon = now - looked_ < kBetweenLooks;
+    const bool looks = lost_ == Lost::looked_for && !open() && !soon && !gave_way;
+    const bool may_ask = error_ != kNotGuarded || !soon;  // each try opens the device
+    if ((may_ask && asked_.exchange(false)) || looks) open_again();
     read_in();
     wait_for_bytes();
   }
@@ -170,8 +175,9 @@ void LineThread::open_again() {
     device_->left.clear();
   }
   const bool opened = end_->reopen();
-  device_->tuned = 0;
+  device_->tuned = 0;  // whichever speed it has now, the line that uses it sets its own
   error_ = opened ? 0 : errno;
+  if (opened) used_ = looked_;
   failed_ = 0;
   idle_ = false;
   open_.store(opened, std::memory_order_release);
@@ -220,7 +226,7 @@ void LineThread::wait_for_bytes() {
   const bool awaits_end =
       open() && line.events == 0 && !idle_ && (lost_ == Lost::looked_for || !filling);
   if (line.events != 0 || awaits_end) line.fd = end_->number();
-  const bool glances = filler_.bytes() != nullptr || (lost_ == Lost::looked_for && !open());
+  const bool glances = open() || filler_.bytes() != nullptr || lost_ == Lost::looked_for;
   const int longest = full || idle_ ? kPause : glances ? kGlance : -1;
   const bool called = reader_.wait(longest, &line);
   idle_ = false;

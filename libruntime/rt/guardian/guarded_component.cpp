@@ -48,7 +48,9 @@ void GuardedComponent::stand() {
 void GuardedComponent::make_due(std::uint32_t slots) {
   if (slots == 0) return;
   for (std::uint32_t slot = 0; slots >> slot != 0; ++slot) {
-    if ((slots & bit(slot)) != 0) output_slots[slot].times_due.fetch_add(1);
+    OutputSlot& one = output_slots[slot];
+    // The next core commands the device: it is no order, and no command is overruled.
+    if ((slots & bit(slot)) != 0 && !commands(one.device.load())) one.times_due.fetch_add(1);
   }
   due_.fetch_or(slots, std::memory_order_release);
   wake_order_sender();

@@ -17,7 +17,7 @@ namespace mauve::rt {
 struct OutputSlot {
   std::atomic<const void*> holder{nullptr};  ///< the core or shell that declares it; null: none
   std::atomic<std::uint64_t> device{0};      ///< the same number for each way to the device
-  std::atomic<std::uint32_t> times_due{0};   ///< how often its order fell due, of all owners
+  std::atomic<std::uint32_t> times_due{0};   ///< how often no job commanded it any more
 };
 /// By number; the bits below are in this order.
 extern std::array<OutputSlot, guardian::kMostOutputs> output_slots;
@@ -45,10 +45,8 @@ class GuardedComponent {
   /// No job commands the outputs from now on, or any more: all orders are due. [any]
   void stand();
   /// A job that mauved had abandoned has ended, and may have commanded since the orders went out:
-  /// all are due once more, unless another job commands. [any]
-  void repeat() {
-    if (!commanded_.load()) make_due(held_.load());
-  }
+  /// all are due once more, but for a device that another job commands. [any]
+  void repeat() { make_due(held_.load()); }
   [[nodiscard]] bool holds_any() const { return held_.load(std::memory_order_relaxed) != 0; }
 
   // --- Of GuardedOutputs, under its lock.

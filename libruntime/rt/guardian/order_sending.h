@@ -12,8 +12,9 @@
 namespace mauve::rt {
 
 /// Sends an order as often and as far apart as it says, and then once more: a thread of the driver
-/// may have written bytes of its last job. Never waits for the device. One that takes no bytes is
-/// tried until it does, since it goes on with the last command it was given. One thread at a time.
+/// may have written bytes of its last job. Never waits for the device. One that takes no bytes goes
+/// on with the last command it was given, so it is tried as long as the output is held. One thread
+/// at a time.
 class OrderSending {
  public:
   /// A device that took no bytes for so long is late: nobody waits for it any more.

@@ -133,16 +133,14 @@ TEST_F(OneDeviceOfTwo, GoesOverToADriverThatTakesThePlaceOfTheOther) {
   EXPECT_TRUE(successor_opens("right")) << "it has not waited";
 }
 
-/// The component of the left line is stopped.
+/// The component of the left line has never run.
 TEST_F(OneDeviceOfTwo, GoesToTheOtherOneWhenNoJobUsesIt) {
   plug_in();
   LineThread left;
   LineThread right;
-  LineBytes of_left;
   LineBytes of_right;
   ASSERT_TRUE(left.start(left_, 64, LineThread::Lost::looked_for));
   ASSERT_TRUE(eventually([&] { return left.open(); }));
-  left.fill(of_left);
   ASSERT_TRUE(right.start(right_, 64));
 
   EXPECT_TRUE(eventually([&] {
@@ -155,7 +153,6 @@ TEST_F(OneDeviceOfTwo, GoesToTheOtherOneWhenNoJobUsesIt) {
   EXPECT_EQ(left.error(), serial::kOfAnotherComponent);
   left.stop();
   right.stop();
-  left.empty_handed(of_left);
   right.empty_handed(of_right);
 }
 

@@ -48,9 +48,9 @@ TEST_F(Requests, GoOutInTheirOrderAndWhole) {
 
 TEST_F(Requests, AreRefusedWholeWhenTooMuchWaits) {
   EXPECT_TRUE(requests_.put(std::string(90, 'a')));
-  EXPECT_FALSE(requests_.put(std::string(10, 'b'))) << "each counts three bytes more";
-  EXPECT_TRUE(requests_.put(std::string(4, 'c')));
-  EXPECT_EQ(all(), std::string(90, 'a') + "cccc");
+  EXPECT_FALSE(requests_.put(std::string(10, 'b'))) << "each counts four bytes more";
+  EXPECT_TRUE(requests_.put("cc"));
+  EXPECT_EQ(all(), std::string(90, 'a') + "cc");
 }
 
 TEST_F(Requests, AreDroppedByAnOrderBeforeTheyBegin) {

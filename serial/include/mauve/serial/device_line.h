@@ -52,8 +52,8 @@ class DeviceLine {
   /// is true. Refused when another process has it, when it is no terminal but is to be written, and
   /// when there is no such speed. [factory]
   mauve::Status open();
-  /// Writes the bytes that were sent before, for 200 ms at most, and ends the threads. Afterwards
-  /// no thread touches `line`. [factory]
+  /// Writes the bytes that were sent before, for 200 ms at most, unless an order overruled them,
+  /// and ends the threads. Afterwards no thread touches `line`. [factory]
   void close(LineBytes& line);
   /// The device is not there, or went away. [rt]
   [[nodiscard]] bool lost() const { return lost_; }

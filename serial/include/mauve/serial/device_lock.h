@@ -38,7 +38,7 @@ class DeviceLock {
   /// Of the terminal that `line` is open on, by its path. Takes no memory.
   Found take(int line, const char* path, Opening opening);
   /// Another line of this process had the device before. After take().
-  [[nodiscard]] bool is_shared() const { return lock_ >= 0; }
+  [[nodiscard]] bool is_shared() const { return shared_; }
   /// A line of another component waits for the device that this one has. After take().
   [[nodiscard]] bool is_awaited() const;
   /// Others may take the device from now on.
@@ -49,6 +49,7 @@ class DeviceLock {
 
   int own_ = -1;             // with the record lock
   int lock_ = -1;            // with the lock of the process
+  bool shared_ = false;      // which another line took
   std::int64_t place_ = -1;  // of the component; -1: it has none
 };
 

@@ -36,7 +36,7 @@ class LineOrders {
 /// followed by the order, since the order may have gone out before its end.
 class LineRequests {
  public:
-  /// None waits. At most `most_waiting` bytes may wait, counted with three more for each request.
+  /// None waits. At most `most_waiting` bytes may wait, counted with four more for each request.
   /// `end`, if there is one, counts further orders, which it sends itself.
   void begin(std::shared_ptr<const LineOrders> orders, std::size_t most_waiting,
              const LineEnd* end = nullptr);
@@ -57,9 +57,11 @@ class LineRequests {
   bool drop();
 
  private:
-  [[nodiscard]] std::uint8_t number() const {
-    const unsigned by_end = end_ == nullptr ? 0 : end_->times_overruled();
-    return static_cast<std::uint8_t>(orders_->number() + by_end);
+  [[nodiscard]] std::uint8_t by_end() const {
+    return end_ == nullptr ? std::uint8_t{0} : end_->times_overruled();
+  }
+  [[nodiscard]] bool is_overruled() const {
+    return number_ != orders_->number() || number_by_end_ != by_end();
   }
   bool take();
   void end_request();
@@ -73,8 +75,9 @@ class LineRequests {
   std::size_t size_ = 0;     // 0: there is none
   std::size_t written_ = 0;  // bytes of it
   std::uint8_t number_ = 0;  // of the order that was the newest when it was made
-  bool overruled_ = false;   // the one before was, while it went out
-  bool repeats_ = false;     // it is an order that follows a request, and not in the ring
+  std::uint8_t number_by_end_ = 0;
+  bool overruled_ = false;  // the one before was, while it went out
+  bool repeats_ = false;    // it is an order that follows a request, and not in the ring
   LineOrders::Order order_{};
 };
 
