@@ -3,6 +3,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <array>
 #include <cstddef>
@@ -22,8 +23,10 @@ using mauve::serial::SerialPort;
 
 namespace fs = std::filesystem;
 
+/// Of this process alone: tests run side by side.
 inline std::string link_name(const char* name) {
-  return (fs::path(testing::TempDir()) / (std::string("mauve_line_") + name)).string();
+  return fs::path(testing::TempDir()) /
+         ("mauve_line_" + std::string(name) + "_" + std::to_string(::getpid()));
 }
 
 /// A core's side: a line, and what a job does with it.
