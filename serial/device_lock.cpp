@@ -38,7 +38,7 @@ int copy_of_own_lock(const struct stat& device, int except) {
 
 // A device has no contents, so each place in it can stand for a component of a process.
 constexpr std::int64_t kComponents = std::int64_t{1} << 20;  // of one process
-constexpr std::int64_t kWaiting = std::int64_t{1} << 50;     // from here on: who waits for it
+constexpr std::int64_t kWaiting = std::int64_t{1} << 50;     // first place of those that wait
 
 struct flock record(short kind, std::int64_t first, std::int64_t count) {
   struct flock places {};
@@ -76,7 +76,8 @@ void DeviceLock::belongs_to(std::string_view address) {
   place_ = component.empty() ? -1 : first_place() + static_cast<std::int64_t>(number % kComponents);
 }
 
-/// The mark of who gets the first lock is there before it, so that whoever comes second sees it.
+/// A line marks the device before it asks for the lock, so the line that comes second sees the
+/// mark.
 DeviceLock::Found DeviceLock::take(int line, const char* path, Opening opening) {
   release();
   struct stat device {};

@@ -275,7 +275,7 @@ void SerialPort::close() {
 }
 
 bool SerialPort::reopen() {
-  lock_.release();  // a device that is gone keeps its number for who waits for it
+  lock_.release();  // a line that waits must not keep the number of a device that is gone
   Descriptor opened(open_quietly(path_, use_));
   if (!opened.open()) return false;
   const bool terminal = ::isatty(opened.number()) == 1;

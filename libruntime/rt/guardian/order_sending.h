@@ -17,7 +17,7 @@ namespace mauve::rt {
 /// at a time.
 class OrderSending {
  public:
-  /// A device that took no bytes for so long is late: nobody waits for it any more.
+  /// A device that took no bytes for so long is late, and no thread waits for it any more.
   static constexpr Duration kPatience{std::chrono::milliseconds(guardian::kMostTimeMs)};
   /// From the first time to the second.
   static constexpr Duration kOnceMore{50ms};

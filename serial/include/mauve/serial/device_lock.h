@@ -15,9 +15,8 @@ namespace mauve::serial {
 /// for serial lines ask for it as well. All lines of this process share it, so a core takes the
 /// line over from the one that it replaces.
 ///
-/// A record lock (F_OFD_SETLK, fcntl(2)) at a place that stands for the component shows the lines
-/// of other components who has the device. They may be in other plugins, and know it by another
-/// name.
+/// A record lock (F_OFD_SETLK, fcntl(2)) at a place that stands for the component is seen by the
+/// lines of other components. They may be in other plugins, and know the device by another name.
 class DeviceLock {
  public:
   /// The outcome of take().
