@@ -21,8 +21,9 @@ constexpr std::int64_t kAround = 1'000'000;
 /// A probe looks each millisecond and does not notice a delay of 200 us: a shorter disturbance may
 /// lie between two looks.
 constexpr std::int64_t kUnseen = 1'200'000;
-/// The kernel may run the timer of a thread on another processor that is not idle, and then wakes a
-/// more urgent thread some us later. In so many pairs of jobs it may do so once.
+/// The kernel may run the timer of a thread on another processor, and then wakes a more urgent
+/// thread some us late. That is no violation when it happens once, or once in so many pairs of
+/// jobs.
 constexpr std::uint64_t kPairsPerLateTimer = 20;
 
 std::map<Word, std::vector<const Record*>> by_thread(const Trace& trace) {
@@ -123,10 +124,12 @@ class OrderCheck {
       if (next < urgent_.jobs.size()) compare(other, job, next);
     }
     if (swapped_ == 0) return;
-    if (swapped_ * kPairsPerLateTimer > pairs_) return report(other, *first_job_, *first_waiting_);
+    if (swapped_ > 1 && swapped_ * kPairsPerLateTimer > pairs_) {
+      return report(other, *first_job_, *first_waiting_);
+    }
     findings_.left_out(
         "the order of jobs released together, where the more urgent one began less than 0.2 ms "
-        "later in one of 20 pairs or fewer: a processor may wake it for another one");
+        "later in one of 20 pairs or fewer: the timer of another processor may have woken it");
   }
 
  private:

@@ -153,16 +153,11 @@ void end_body_of_owner(const mauve::rt::Fault& fault) {
 }
 
 /// The text of a message, cut to the room there is.
-class Message {
- public:
-  Message(const char* format, va_list words) {
-    std::vsnprintf(text_.data(), text_.size(), format, words);
-  }
-  [[nodiscard]] const char* text() const { return text_.data(); }
-
- private:
-  std::array<char, 1024> text_{};
-};
+std::array<char, 1024> formatted(const char* format, va_list words) {
+  std::array<char, 1024> text{};
+  std::vsnprintf(text.data(), text.size(), format, words);
+  return text;
+}
 
 }  // namespace
 
@@ -257,9 +252,9 @@ void error(int status, int number, const char* format, ...) {
   if (status != 0) end_body_of_owner({.call = "error", .status = status});
   va_list words;
   va_start(words, format);
-  const Message message(format, words);
+  const auto message = formatted(format, words);
   va_end(words);
-  next<void(int, int, const char*, ...)>("error")(status, number, "%s", message.text());
+  next<void(int, int, const char*, ...)>("error")(status, number, "%s", message.data());
 }
 
 void error_at_line(int status, int number, const char* file, unsigned line, const char* format,
@@ -267,10 +262,10 @@ void error_at_line(int status, int number, const char* file, unsigned line, cons
   if (status != 0) end_body_of_owner({.call = "error_at_line", .status = status});
   va_list words;
   va_start(words, format);
-  const Message message(format, words);
+  const auto message = formatted(format, words);
   va_end(words);
   next<void(int, int, const char*, unsigned, const char*, ...)>("error_at_line")(
-      status, number, file, line, "%s", message.text());
+      status, number, file, line, "%s", message.data());
 }
 
 }  // extern "C"
