@@ -10,9 +10,12 @@ import pathlib
 import subprocess
 import sys
 
+import command_line
+
 FIRST_DATE = "2026-11-26T06:00:00+00:00"
 SUBJECT_COLUMNS = 65
 LINES_WITHOUT_A_BODY = 100
+NOTHING_DONE = 77  # scripts/check shows it as skipped
 FIELD, RECORD = "\x1f", "\x1e"
 
 
@@ -52,13 +55,18 @@ def problems_of(subject, body, changed):
 
 
 def main():
-    repository = sys.argv[1] if len(sys.argv) > 1 else str(pathlib.Path(__file__).resolve().parent.parent)
-    first_date = sys.argv[2] if len(sys.argv) > 2 else FIRST_DATE
+    arguments = command_line.Arguments(__doc__)
+    arguments.add_argument("repository", nargs="?", type=command_line.folder, default=command_line.OF_THE_SCRIPTS)
+    arguments.add_argument("first_date", nargs="?", default=FIRST_DATE)
+    words = arguments.parse_args()
     try:
-        commits = list(history(repository, first_date))
+        commits = list(history(str(words.repository), words.first_date))
     except (OSError, subprocess.CalledProcessError) as error:
         print(f"commits: skipped, no history can be read here ({error})")
-        return 0
+        return NOTHING_DONE
+    if not commits:
+        print("commits: skipped, there is no commit to judge")
+        return NOTHING_DONE
     problems = [f"{commit[:9]}: {problem} ('{subject}')" for commit, subject, body, changed in commits
                 for problem in problems_of(subject, body, changed)]
     print("\n".join(problems) if problems else f"commits: {len(commits)} keep the rules")

@@ -9,6 +9,8 @@ import pathlib
 import re
 import sys
 
+import command_line
+
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "cmake"))
 import member_names  # noqa: E402
 
@@ -180,12 +182,11 @@ def sources(root):
 
 
 def main():
-    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent.parent)
-    root = root.resolve()
-    problems = [f"{path}:{line}: {text}" for path in sources(root)
+    root = command_line.tree(__doc__).root
+    files = list(sources(root))
+    problems = [f"{path}:{line}: {text}" for path in files
                 for line, text in check_file(root, path)]
-    print("\n".join(problems) if problems else "layers: every include follows the arrows")
-    return 1 if problems else 0
+    return command_line.result(files, problems, "layers: every include follows the arrows")
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ import pathlib
 import re
 import sys
 
+import command_line
 from layers import sources
 
 FILE_LINES = {".h": 250, ".cpp": 400}
@@ -82,16 +83,14 @@ def stats(files):
 
 
 def main():
-    arguments = [argument for argument in sys.argv[1:] if argument != "--stats"]
-    root = pathlib.Path(arguments[0] if arguments else pathlib.Path(__file__).parent.parent).resolve()
-    files = {path: (root / path).read_text(encoding="utf-8") for path in sources(root)}
-    if "--stats" in sys.argv:
+    arguments = command_line.tree(__doc__, "--stats")
+    files = {path: (arguments.root / path).read_text(encoding="utf-8") for path in sources(arguments.root)}
+    if arguments.stats and files:
         stats(files)
         return 0
     problems = [f"{path}:{line}: {problem}" for path, text in files.items() if path not in EXCEPTIONS
                 for line, problem in check_file(path, text)]
-    print("\n".join(problems) if problems else f"lines: {len(files)} files are within the budget")
-    return 1 if problems else 0
+    return command_line.result(files, problems, f"lines: {len(files)} files are within the budget")
 
 
 if __name__ == "__main__":

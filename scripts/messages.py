@@ -10,9 +10,10 @@ NAME` prints the same texts. Each refusal of the code, {Errc::KIND, "NAME"}, has
 each wrong use of mauvectl, wrong_use("NAME", ...), one of the kind usage, and each row has a use. LEDGER counts the refusals of each file that have no name: they may only become fewer.
 """
 import collections
-import pathlib
 import re
 import sys
+
+import command_line
 
 PAGE = "docs/messages.md"
 TABLES = ("daemon/log/events.def", "daemon/protocol/errors.def", "daemon/protocol/refusals.def")
@@ -161,10 +162,13 @@ def rows(root):
                for name in TABLES)
 
 
-def main(words):
-    checks = words[:1] == ["--check"]
-    rest = words[1:] if checks else words
-    root = pathlib.Path(rest[0] if rest else pathlib.Path(__file__).resolve().parent.parent)
+def main():
+    arguments = command_line.tree(__doc__, "--check")
+    root, checks = arguments.root, arguments.check
+    missing = [name for name in TABLES if not (root / name).is_file()]
+    if missing:
+        print(f"messages: {', '.join(missing)} is not there; name a tree of mauve")
+        return 1
     made = page(root)
     lines = len(re.findall(r"^\| `", made, re.M))
     if lines != rows(root):
@@ -183,4 +187,4 @@ def main(words):
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

@@ -8,9 +8,10 @@ In a document a file is named by its whole path in backquotes. A function belong
 "`Class::function()`, `folder/file.cpp`". CHANGELOG.md and docs/decisions/ describe the past and are not read. A comment
 names a file by the end of its path: "see job.h", "exec/task/job_runner.h".
 """
-import pathlib
 import re
 import sys
+
+import command_line
 
 TOPS = "libruntime|serial|daemon|ctl|plugins|guardian|tests|scripts|etc|man|systemd|examples"
 FILE = re.compile(rf"`((?:{TOPS})/[\w./-]+\.(?:h|cpp|py|json|txt|def|in|supp))`")
@@ -63,10 +64,8 @@ def problems(root):
 
 
 def main():
-    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent.parent).resolve()
-    found = list(problems(root))
-    print("\n".join(found) if found else "named files: each file and function that a document names is there")
-    return 1 if found else 0
+    root = command_line.tree(__doc__).root
+    return command_line.result([*documents(root), *sources(root)], problems(root), "named files: each file and function that a document names is there")
 
 
 if __name__ == "__main__":

@@ -1,9 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Every promise of docs/promises.md has a figure and a command, and tests that exist. Usage: promises.py [ROOT]"""
-import pathlib
+"""Every promise of docs/promises.md has a figure and a command, and tests that exist.
+
+Usage: promises.py [ROOT]    prints one line for each promise that has not
+"""
 import re
 import sys
+
+import command_line
 
 PAGE = "docs/promises.md"
 SECTION = "## Promises"
@@ -24,8 +28,8 @@ def rows_without_figure(section):
 
 
 def main():
-    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parents[1])
-    text = (root / PAGE).read_text(encoding="utf-8")
+    root = command_line.tree(__doc__).root
+    text = (root / PAGE).read_text(encoding="utf-8") if (root / PAGE).is_file() else ""
     if SECTION not in text:
         print(f"{PAGE}: there is no section '{SECTION}'")
         return 1

@@ -7,10 +7,11 @@ Usage: quotes.py [ROOT]    prints one line for each violation: page:line: file: 
 A block that quotes a file names it by its path in the project: ```cpp title="examples/core/homing.h". Its lines are lines
 of the file one below the other, with any indentation in common. A line "// ..." in the block stands for lines left out.
 """
-import pathlib
 import re
 import sys
 import textwrap
+
+import command_line
 
 BLOCK = re.compile(r'^```\w+ title="([\w./-]+)"\n(.*?)^```$', re.M | re.S)
 LEFT_OUT = "// ..."
@@ -60,10 +61,8 @@ def problems(root):
 
 
 def main():
-    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent.parent).resolve()
-    found = list(problems(root))
-    print("\n".join(found) if found else "quotes: each block that names a file has its text")
-    return 1 if found else 0
+    root = command_line.tree(__doc__).root
+    return command_line.result(list((root / "docs").rglob("*.md")), problems(root), "quotes: each block that names a file has its text")
 
 
 if __name__ == "__main__":

@@ -21,6 +21,8 @@ import re
 import sys
 import xml.etree.ElementTree
 
+import command_line
+
 MOST_UNSTEADY = 5  # of one stage; with more it is not the tests that are unsteady
 FIRST_LINES, LAST_LINES = 12, 20  # lines of a test that failed, in the summary
 # In ctest's words; what it calls otherwise is a crash, a hang, or was not run at all. In a real-time runtime a hang is
@@ -181,12 +183,31 @@ def closing_line(counts):
     path = pathlib.Path(counts)
     rows = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
     print(in_words(*(sum(int(row.split()[i]) for row in rows) for i in range(4))))
-    return 0
+    return 0 if rows else 1
+
+
+COMMANDS = {"sum": (closing_line, 1), "run_again": (run_again, 3), "check_ledger": (check_ledger, 2),
+            "findings": (findings, 1)}
+
+
+def main():
+    arguments = command_line.Arguments(__doc__)
+    for name, (_, words) in COMMANDS.items():
+        arguments.add_argument("--" + name.replace("_", "-"), nargs=words)
+    arguments.add_argument("stage", nargs="*")
+    words = vars(arguments.parse_args())
+    stage = words.pop("stage")
+    chosen = [(COMMANDS[name][0], given) for name, given in words.items() if given]
+    if stage:
+        chosen.append((stage_report, stage))
+    if len(chosen) != 1 or stage and not 3 <= len(stage) <= 4:
+        arguments.error("STAGE FILE COUNTS [AGAIN], or one option with its words, is needed")
+    does, given = chosen[0]
+    try:
+        return does(*given)
+    except FileNotFoundError as error:
+        return command_line.wrong_use(f"there is no file '{error.filename}'")
 
 
 if __name__ == "__main__":
-    COMMANDS = {"--sum": closing_line, "--run-again": run_again, "--check-ledger": check_ledger,
-                "--findings": findings}
-    if sys.argv[1] in COMMANDS:
-        sys.exit(COMMANDS[sys.argv[1]](*sys.argv[2:]))
-    sys.exit(stage_report(*sys.argv[1:]))
+    sys.exit(main())

@@ -7,9 +7,10 @@ Usage: sentences.py [ROOT]    prints each such sentence; fails when there is one
 A sentence has at most 30 words, and its subject is a noun: no sentence begins with "what", "who" or "whoever" unless it
 asks. Retired words are the matter of words.py. CHANGELOG and the decisions keep the words of their time.
 """
-import pathlib
 import re
 import sys
+
+import command_line
 
 FOLDERS = ("ctl", "daemon", "docs", "etc", "examples", "guardian", "libruntime", "man", "plugins", "scripts", "serial",
            "systemd", "tests")
@@ -77,13 +78,13 @@ def files(root):
     yield from sorted(path.name for path in root.glob("*.md"))
 
 
-def main(words):
-    root = pathlib.Path(words[0] if words else pathlib.Path(__file__).resolve().parent.parent)
-    wrong = [f"{name}: {problem}" for name in files(root) if not name.startswith(PAST)
+def main():
+    root = command_line.tree(__doc__).root
+    names = [name for name in files(root) if not name.startswith(PAST)]
+    wrong = [f"{name}: {problem}" for name in names
              for problem in problems(name, (root / name).read_text("utf-8", errors="replace"))]
-    print(*wrong or ["sentences: none breaks a rule"], sep="\n")
-    return 1 if wrong else 0
+    return command_line.result(names, wrong, "sentences: none breaks a rule")
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

@@ -17,6 +17,7 @@ import re
 import statistics
 import sys
 
+import command_line
 from declarations import functions_of
 from layers import INCLUDE, layer_of, resolve, sources
 from lines import TOKENS
@@ -269,16 +270,14 @@ def figures(tree):
 
 
 def main():
-    arguments = [argument for argument in sys.argv[1:] if argument != "--figures"]
-    root = pathlib.Path(arguments[0] if arguments else pathlib.Path(__file__).parent.parent).resolve()
-    tree = Tree(root)
-    if "--figures" in sys.argv:
+    arguments = command_line.tree(__doc__, "--figures")
+    tree = Tree(arguments.root)
+    if arguments.figures and tree.text:
         figures(tree)
         return 0
     problems = [problem for rule in (depth_problems, class_problems, parameter_problems, folder_problems,
                                      definition_problems) for problem in rule(tree)]
-    print("\n".join(problems) if problems else f"structure: {len(tree.text)} files are within the budget")
-    return 1 if problems else 0
+    return command_line.result(tree.text, problems, f"structure: {len(tree.text)} files are within the budget")
 
 
 if __name__ == "__main__":

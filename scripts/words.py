@@ -14,6 +14,8 @@ import pathlib
 import re
 import sys
 
+import command_line
+
 GLOSSARY = "docs/glossary.md"
 SUFFIXES = {".cpp", ".def", ".h", ".in", ".json", ".md", ".py", ".sh", ".txt"}
 FOLDERS = ("ctl", "daemon", "docs", "etc", "examples", "guardian", "libruntime", "man", "plugins", "scripts", "serial", "tests")
@@ -90,6 +92,9 @@ def files(root):
 
 
 def problems(root):
+    if not (root / GLOSSARY).is_file():
+        yield f"{GLOSSARY}: is not there"
+        return
     glossary = Glossary((root / GLOSSARY).read_text("utf-8"))
     if not glossary.instead and not glossary.compounds:
         yield f"{GLOSSARY}: no table has a column 'retired'"
@@ -105,13 +110,8 @@ def problems(root):
 
 
 def main():
-    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent.parent)
-    found = list(problems(root))
-    for problem in found:
-        print(problem)
-    if not found:
-        print("words: no retired word is in use")
-    return 1 if found else 0
+    root = command_line.tree(__doc__).root
+    return command_line.result(list(files(root)), problems(root), "words: no retired word is in use")
 
 
 if __name__ == "__main__":

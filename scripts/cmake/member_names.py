@@ -55,9 +55,18 @@ def files_of(root, folders, sources):
 
 
 def main():
-    root = pathlib.Path(sys.argv[1]).resolve()
-    folders = [pathlib.Path(word[2:]) for word in sys.argv[2:] if word.startswith("-I") and len(word) > 2]
-    sources = [word for word in sys.argv[2:] if not word.startswith("-I")]
+    words = sys.argv[1:]
+    if "-h" in words or "--help" in words:
+        print(__doc__.strip())
+        return 0
+    folders = [pathlib.Path(word[2:]) for word in words[1:] if word.startswith("-I") and len(word) > 2]
+    sources = [word for word in words[1:] if not word.startswith("-I")]
+    wrong = next((word for word in words if word.startswith("-") and not word.startswith("-I")), None)
+    if wrong or not sources or not pathlib.Path(words[0]).is_dir():
+        print(f"member_names: unknown option '{wrong}' (see --help)" if wrong else
+              "member_names: an existing ROOT and at least one FILE are needed (see --help)", file=sys.stderr)
+        return 2
+    root = pathlib.Path(words[0]).resolve()
     problems = [f"{file}:{line}: error: {sentence}" for file, text in files_of(root, folders, sources)
                 for line, sentence in problems_of(text)]
     if problems:

@@ -14,10 +14,14 @@ the first reader came; what is one of
 Without steps: takes the robot over, drives a little, gives it back. Ends when the reader goes away.
 """
 import os
+import pathlib
 import stat
 import struct
 import sys
 import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+import command_line  # noqa: E402
 
 EV_SYN, EV_KEY, EV_ABS = 0, 1, 3
 ABS_X, ABS_Y = 0, 1
@@ -71,15 +75,15 @@ def play(fifo, steps):
 
 
 def main():
-    if len(sys.argv) < 2 or sys.argv[1] in ("-h", "--help"):
-        print(__doc__.strip())
-        return 0 if len(sys.argv) > 1 else 2
-    fifo = sys.argv[1]
+    arguments = command_line.Arguments(__doc__)
+    arguments.add_argument("fifo")
+    arguments.add_argument("steps", nargs="*", default=STEPS)
+    words = arguments.parse_args()
+    fifo = words.fifo
     try:
-        steps = [parsed(text) for text in sys.argv[2:] or STEPS]
+        steps = [parsed(text) for text in words.steps]
     except ValueError as problem:
-        print(f"joystick: {problem}", file=sys.stderr)
-        return 2
+        return command_line.wrong_use(problem)
     if not os.path.exists(fifo):
         os.mkfifo(fifo, 0o600)
     if not stat.S_ISFIFO(os.stat(fifo).st_mode):

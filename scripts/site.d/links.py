@@ -12,6 +12,9 @@ import re
 import sys
 import urllib.parse
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+import command_line  # noqa: E402
+
 CODE = ("code", "pre", "script", "style")
 LOADS = {"script": "src", "img": "src", "link": "href", "iframe": "src", "source": "src", "object": "data"}
 NETWORK = re.compile(r"(?:[a-z]+:)?//", re.IGNORECASE)
@@ -73,13 +76,11 @@ def problems(site):
 
 
 def main():
-    if len(sys.argv) != 2:
-        print(__doc__)
-        return 2
-    site = pathlib.Path(sys.argv[1])
-    found = list(problems(site))
-    print("\n".join(found) if found else f"site: the links of {len(list(site.rglob('*.html')))} pages lead to pages")
-    return 1 if found else 0
+    arguments = command_line.Arguments(__doc__)
+    arguments.add_argument("site", type=command_line.folder)
+    site = arguments.parse_args().site
+    pages = len(list(site.rglob("*.html")))
+    return command_line.result(pages, problems(site), f"site: the links of {pages} pages lead to pages")
 
 
 if __name__ == "__main__":

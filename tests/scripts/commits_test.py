@@ -63,7 +63,7 @@ class Commits(unittest.TestCase):
 
     def test_leaves_what_is_older_than_the_rule_alone(self):
         self.commit("exec: hold the grid; rename the barrier")
-        self.assertEqual(self.check("2020-02-03"), (0, "commits: 0 keep the rules\n"))
+        self.assertEqual(self.check("2020-02-03"), (77, "commits: skipped, there is no commit to judge\n"))
 
     def test_does_not_judge_the_end_of_a_shallow_clone(self):
         self.commit("exec: hold the grid")
@@ -72,12 +72,12 @@ class Commits(unittest.TestCase):
             self.git("clone", "-q", "--depth=1", f"file://{self.folder.name}", f"{folder}/clone")
             done = subprocess.run([sys.executable, SCRIPT, f"{folder}/clone", "2000-01-01"], capture_output=True,
                                   text=True, check=False)
-        self.assertEqual((done.returncode, done.stdout), (0, "commits: 0 keep the rules\n"))
+        self.assertEqual((done.returncode, done.stdout), (77, "commits: skipped, there is no commit to judge\n"))
 
     def test_says_that_it_skips_where_there_is_no_history(self):
         with tempfile.TemporaryDirectory() as folder:
             done = subprocess.run([sys.executable, SCRIPT, folder], capture_output=True, text=True, check=False)
-        self.assertEqual(done.returncode, 0)
+        self.assertEqual(done.returncode, 77)
         self.assertIn("commits: skipped", done.stdout)
 
 
