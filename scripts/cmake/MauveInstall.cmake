@@ -77,10 +77,16 @@ install(FILES "${PROJECT_BINARY_DIR}/package/mauveConfig.cmake"
   "${CMAKE_CURRENT_LIST_DIR}/MauvePlugin.cmake" "${CMAKE_CURRENT_LIST_DIR}/mauve_plugin.map"
   "${CMAKE_CURRENT_LIST_DIR}/member_names.py"
   DESTINATION "${mauve_cmake_dir}" COMPONENT dev)
-# The prefix is known only at install time (cmake --install --prefix), so mauve.pc is written then.
+# The prefix is known only at install time (cmake --install --prefix), so mauve.pc is written then. pkg-config leaves the
+# folders of the system out of its answer only where they are written as such; another prefix may be moved as a whole.
 install(CODE "
-  set(CMAKE_INSTALL_FULL_LIBDIR \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}\")
-  set(CMAKE_INSTALL_FULL_INCLUDEDIR \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}\")
+  set(mauve_pc_libdir \"${CMAKE_INSTALL_LIBDIR}\")
+  set(mauve_pc_includedir \"${CMAKE_INSTALL_INCLUDEDIR}\")
+  set(mauve_pc_prefix \"\${CMAKE_INSTALL_PREFIX}\")
+  if(NOT CMAKE_INSTALL_PREFIX STREQUAL \"/usr\")
+    file(RELATIVE_PATH up \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}/pkgconfig\" \"\${CMAKE_INSTALL_PREFIX}\")
+    set(mauve_pc_prefix \"\\\${pcfiledir}/\${up}\")
+  endif()
   set(PROJECT_DESCRIPTION \"${PROJECT_DESCRIPTION}\")
   set(PROJECT_VERSION \"${PROJECT_VERSION}\")
   configure_file(\"${CMAKE_CURRENT_LIST_DIR}/mauve.pc.in\" \"${PROJECT_BINARY_DIR}/package/mauve.pc\" @ONLY)"
@@ -96,7 +102,8 @@ install(FILES ${mauve_plain} DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve" COMPON
 install(FILES ${mauve_examples} DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve" COMPONENT plugins)
 foreach(folder maps samples)
   if(EXISTS "${mauve_sources}/etc/${folder}")
-    install(DIRECTORY "${mauve_sources}/etc/${folder}" DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve" COMPONENT plugins)
+    install(DIRECTORY "${mauve_sources}/etc/${folder}" DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve" COMPONENT plugins
+      USE_SOURCE_PERMISSIONS)
   endif()
 endforeach()
 if(EXISTS "${mauve_sources}/etc/minimal.json")
@@ -118,12 +125,19 @@ endif()
 install(DIRECTORY "${mauve_sources}/examples" DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve" COMPONENT dev
   PATTERN build EXCLUDE)
 
-# The services. The prefix is known only at install time; the units in the sources say /usr.
+# The services. The prefix is known only at install time; the units in the sources say /usr. In a unit, a program whose
+# path has a space stands in quotes, and "%" is written twice.
 foreach(name mauved mauve-guardian)
   set(unit "${PROJECT_BINARY_DIR}/package/${name}.service")
   install(CODE "
     file(READ \"${mauve_sources}/systemd/${name}.service\" unit)
-    string(REPLACE /usr/sbin/ \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_SBINDIR}/\" unit \"\${unit}\")
+    set(folder \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_SBINDIR}\")
+    set(quote)
+    if(folder MATCHES \"[ \\t]\")
+      set(quote \"\\\"\")
+    endif()
+    string(REPLACE \"%\" \"%%\" folder \"\${folder}\")
+    string(REGEX REPLACE \"=/usr/sbin/([a-z-]+)\" \"=\${quote}\${folder}/\\\\1\${quote}\" unit \"\${unit}\")
     file(WRITE \"${unit}\" \"\${unit}\")" COMPONENT runtime)
   install(FILES "${unit}" DESTINATION "${MAUVE_SYSTEMD_DIR}/systemd/system" COMPONENT runtime)
 endforeach()

@@ -22,4 +22,6 @@ foreach(installed IN LISTS CMAKE_INSTALL_MANIFEST_FILES)
           "--add-gnu-debuglink=${folder}/.debug/${name}.debug;${file}")
     execute_process(COMMAND "${MAUVE_OBJCOPY}" ${step} COMMAND_ERROR_IS_FATAL ANY)
   endforeach()
+  get_filename_component(folder "${installed}" DIRECTORY)
+  list(APPEND CMAKE_INSTALL_MANIFEST_FILES "${folder}/.debug/${name}.debug")  # so that it can be uninstalled
 endforeach()
