@@ -20,9 +20,9 @@ constexpr std::size_t kNarrow = 60;  ///< narrower than this there is no room be
 constexpr std::string_view kExamples =
     "Examples:\n"
     "  mauvectl status\n"
-    "  mauvectl watch fix.read\n"
-    "  mauvectl set control.core.gain=0.3\n"
-    "  mauvectl swap-core control guidance/finite_time\n";
+    "  mauvectl watch odometry.read\n"
+    "  mauvectl set control.core.speed=0.3\n"
+    "  mauvectl swap-core control guidance/potential_field\n";
 
 /// A name, and its text beside it; below it where the name is long or the terminal narrow.
 std::string entry(const std::string& name, std::string_view text, std::size_t width) {
