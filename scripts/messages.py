@@ -7,7 +7,7 @@ Usage: messages.py [ROOT]            writes the page
 
 The tables are daemon/log/events.def, daemon/protocol/errors.def and daemon/protocol/refusals.def; `mauvectl explain
 NAME` prints the same texts. Each refusal of the code, {Errc::KIND, "NAME"}, has a row in refusals.def with this kind,
-each wrong use of mauvectl, wrong_use("NAME", ...), one of the kind usage, and each row has a use. LEDGER counts the refusals of each file that have no name: they may only become fewer.
+each wrong use of mauvectl, wrong_use("NAME", ...), one of the kind usage, and each row has a use. So has each event. LEDGER counts the refusals of each file that have no name: they may only become fewer.
 """
 import collections
 import re
@@ -19,6 +19,7 @@ PAGE = "docs/messages.md"
 TABLES = ("daemon/log/events.def", "daemon/protocol/errors.def", "daemon/protocol/refusals.def")
 CODE = ("libruntime", "daemon", "ctl", "guardian")
 LEDGER = {}
+WORD = re.compile(r"\w+")
 HEAD = """# Messages
 
 mauved writes *events* into its log, answers commands with *refusals*, and names *failures* of components. Each message
@@ -119,10 +120,12 @@ def problems(root):
     others = [name for table in TABLES[:2] for _, name, *_ in entries((root / table).read_text("utf-8"))]
     counted = collections.Counter(others + [row[0] for row in refusals((root / TABLES[2]).read_text("utf-8"))])
     yield from (f"{name}: two messages have this name" for name, count in sorted(counted.items()) if count > 1)
-    used = set()
+    events = [name for kind, name, *_ in entries((root / TABLES[0]).read_text("utf-8")) if kind == "EVENT"]
+    used, logged = set(), set()
     files = [file for folder in CODE for file in sorted((root / folder).rglob("*")) if file.suffix in (".h", ".cpp")]
     for file in files:
         text = without_comments(file.read_text("utf-8"))
+        logged.update(WORD.findall(text))
         uses = [("usage", name) for name in WRONG_USE.findall(text)]
         for kind, name in NAMED.findall(text) + RENAMED.findall(text) + uses:
             used.add(name)
@@ -134,6 +137,7 @@ def problems(root):
             yield f"{file.relative_to(root)}: {nameless} refusals without a name, {allowed} are allowed"
         elif nameless < allowed:
             yield f"{file.relative_to(root)}: {nameless} refusals without a name: lower the {allowed} of LEDGER"
+    yield from (f"{TABLES[0]}: nothing logs the event {name}; take the row out" for name in events if name not in logged)
     yield from (f"{TABLES[2]}: nothing refuses with \"{name}\"" for name in sorted(set(rows) - used))
 
 

@@ -23,6 +23,7 @@ class Messages(unittest.TestCase):
         self.write("daemon/protocol/errors.def", ERRORS)
         self.write("daemon/protocol/refusals.def", REFUSALS)
         self.write("daemon/files.cpp", CODE)
+        self.write("daemon/begin.cpp", "log.write(Event::begun)")
         self.write("docs/messages.md", "")
 
     def write(self, name, text):
@@ -71,6 +72,10 @@ class Messages(unittest.TestCase):
 
     def test_refuses_a_row_without_a_use(self):
         self.refused("", 'nothing refuses with "file_gone"')
+
+    def test_refuses_an_event_that_nothing_logs(self):
+        self.write("daemon/begin.cpp", "// no event")
+        self.refused(CODE, "nothing logs the event begun")
 
     def test_refuses_a_refusal_without_a_name(self):
         self.refused(CODE + 'refuse(Errc::system, path, "is lost");\n', "1 refusals without a name")
