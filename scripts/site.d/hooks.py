@@ -5,6 +5,7 @@ A document links to a file by its path in the tree. In the site, a Markdown file
 a public header is its page of the programming interface, and any other file or folder is a page that shows it.
 """
 import json
+import logging
 import pathlib
 import posixpath
 import re
@@ -161,6 +162,14 @@ def on_files(files, config):
         if page.is_file() and page.suffix != ".tag":
             add(files, config, page.relative_to(tree.generated).as_posix(), tree.generated)
     return files
+
+
+def on_nav(nav, config, files):
+    """A page of docs/ that the navigation leaves out is found by nobody."""
+    in_navigation = {page.file.src_path for page in nav.pages}
+    for file in files.documentation_pages():
+        if not file.src_path.startswith(("source/", "api/")) and file.src_path not in in_navigation:
+            logging.getLogger("mkdocs.hooks").warning("%s has no place in the navigation of mkdocs.yml", file.src_path)
 
 
 def separate_lists(text):

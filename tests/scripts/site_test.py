@@ -61,6 +61,11 @@ class Site(unittest.TestCase):
         self.assertEqual(code, 1)
         self.assertIn("index.html: a table is shown as raw text", output)
 
+    def test_refuses_a_page_that_the_navigation_leaves_out(self):
+        code, output, _ = self.build("Text.", **{"docs/concepts/new.md": "# New\n"})
+        self.assertEqual(code, 1)
+        self.assertIn("concepts/new.md has no place in the navigation", output)
+
     def test_refuses_a_page_that_is_not_there(self):
         code, output, _ = self.build("[gone](../daemon/gone.cpp)")
         self.assertEqual(code, 1)
