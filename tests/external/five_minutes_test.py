@@ -15,6 +15,8 @@ import subprocess
 import sys
 import tempfile
 
+import page_test
+
 HEADING = re.compile(r"^## Five minutes.*?(?=^## )", re.M | re.S)
 BLOCK = re.compile(r"^```sh\n(.*?)^```", re.M | re.S)
 
@@ -32,8 +34,7 @@ def commands(readme):
     for line in lines:
         if line in made + packages:
             continue
-        if "Ctrl-C ends it" in line:
-            line = f"{{ timeout --preserve-status --signal=INT 10 {line}\n}} || test $? = 130"
+        line = page_test.until_ctrl_c(line)
         line = re.sub(r"--wait \d+s", "--wait 60s", line)  # beside builds, a start takes longer than a reader's
         script.append(re.sub(r"--for \d+s", "--for 5s", line))
     return script

@@ -7,10 +7,14 @@ is an installed mauve: /usr as from packages, or one that the home folder of the
 INDEX sets MAUVE once for either; the test leaves the other line out.
 
 A block ```console of the page has commands ("$ " begins one, "> " continues it) and output below
-them. A command without output on the page must succeed. In output a line "..." stands for any
+them, unless "<!-- not run: REASON -->" stands above it. A command without output on the page, or with "..." alone, must succeed. In output a line "..." stands for any
 lines, and "..." in a line for any text. Each time ("61 ns") stands for any other time, and each number
 of missed releases for any other one: a test asserts nothing about them. The number of attempts of a change
 is left out.
+
+Any other block of commands is executed if "<!-- run -->" stands above it: as a block ```console where it has a line
+that begins with "$ ", else each of its lines must succeed. "<!-- run after: COMMANDS -->" runs these before it. A command
+that Ctrl-C is to end, as its line says, gets SIGINT.
 
 A page writes files, too. The line "Write this into `FOLDER/FILE`:" above a block means that the file in the
 home folder has the text of the block. "Change `FOLDER/FILE`:" stands above a block ```diff: its lines with
@@ -30,7 +34,7 @@ import tempfile
 
 PREPARE = re.compile(r"^```sh\n(.*?)^```", re.M | re.S)
 SET_MAUVE = re.compile(r"^export MAUVE=(\S+)\n", re.M)
-BLOCK = re.compile(r"^(?:(Write this into|Change|The file) `([^`\n]+)`(?: contains)?:\n)?```(\w*)[^\n]*\n(.*?)^```", re.M | re.S)
+BLOCK = re.compile(r"^(?:<!-- (run|not run)(?:(?: after)?: ([^\n]*))? -->\n)?(?:(Write this into|Change|The file) `([^`\n]+)`(?: contains)?:\n)?```(\w*)[^\n]*\n(.*?)^```", re.M | re.S)
 EARLIER = re.compile(r"\bBegin\s+with\s+the\s+files\s+of\s+\[[^\]]*\]\(([^)]+)\)")
 ATTEMPTS = re.compile(r", \d+ attempts")
 VARIES = re.compile(r"(?<![\w.])\d+(\.\d+)? ?(ns|us|ms|s|sec)\b|\d+ releases? missed(?: meanwhile, on ordinary threads that the machine delays too: mauvectl doctor)?")
@@ -56,6 +60,26 @@ def commands(block):
     return result
 
 
+def lines_of(block):
+    """[command, no output] of each command of a block that is the input of a shell."""
+    result, command = [], ""
+    for line in block.splitlines():
+        command += line + "\n"
+        if not line.strip() or re.search(r"(\\|&&|\|)\s*(#.*)?$", line) or command.count("'") % 2:
+            continue
+        result.append([until_ctrl_c(command.strip()), []])
+        command = ""
+    assert not command.strip(), f"the block ends within a command: {command}"
+    return result
+
+
+def until_ctrl_c(command):
+    """The command, which gets SIGINT if a reader would end it so."""
+    if "Ctrl-C ends it" not in command:
+        return command
+    return f"{{ timeout --preserve-status --signal=INT 10 {command}\n}} || test $? = 130"
+
+
 def edit(order, file, text):
     """[command, output on the page]: does to a file what the page says."""
     target = "~/" + shlex.quote(file)
@@ -71,11 +95,17 @@ def edit(order, file, text):
 def steps(page):
     """[command, output on the page] in their order; an edit of a file is a command, too."""
     result = []
-    for order, file, language, text in BLOCK.findall(page):
+    for marked, before, order, file, language, text in BLOCK.findall(page):
+        if marked == "not run":
+            continue
+        if before:
+            result.append([before, []])
         if order:
             result.append(edit(order, file, text))
-        elif language == "console":
+        elif language == "console" or marked and re.search(r"^\$ ", text, re.M):
             result += commands(text)
+        elif marked:
+            result += lines_of(text)
     return result
 
 
@@ -85,7 +115,7 @@ def earlier_edits(page):
     if not found:
         return []
     before = os.path.join(os.path.dirname(page), found.group(1))
-    edits = [edit(order, file, text) for order, file, _, text in BLOCK.findall(read(before))
+    edits = [edit(order, file, text) for _, _, order, file, _, text in BLOCK.findall(read(before))
              if order in ("Write this into", "Change")]
     return earlier_edits(before) + edits
 
@@ -159,7 +189,7 @@ def judge(page_steps, done):
     for (command, lines), (code, output) in zip(page_steps, done):
         if lines and not agrees(lines, output):
             yield f"$ {command}\nthe page prints:\n" + "\n".join(lines) + f"\nthe command printed:\n{output}"
-        if not lines and code != 0:
+        if all(line.strip() == "..." for line in lines) and code != 0:
             yield f"$ {command}\nended with {code} and printed:\n{output}"
     if len(done) < len(page_steps):
         yield f"$ {page_steps[len(done)][0]}\ndid not end"

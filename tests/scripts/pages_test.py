@@ -31,6 +31,21 @@ class Pages(unittest.TestCase):
     def test_disagree_where_a_command_without_output_fails(self):
         self.assertEqual(len(wrong("```console\n$ false\n```\n")), 1)
 
+    def test_disagree_where_a_command_with_any_output_fails(self):
+        self.assertEqual(len(wrong("```console\n$ echo red; false\n...\n```\n")), 1)
+        self.assertEqual(wrong("```console\n$ echo red; false\nred\n```\n"), [])
+
+    def test_run_the_lines_of_a_block_that_is_marked(self):
+        block = "```sh\nx=1 &&\n  test $x = 1\ntest $x = 2  # not so\n```\n"
+        self.assertEqual(wrong(block), [])
+        self.assertEqual(len(wrong("<!-- run -->\n" + block)), 1)
+        self.assertEqual(len(wrong("<!-- run -->\n```sh\ntest $x = 1\n```\n")), 1)
+        self.assertEqual(wrong("<!-- run after: x=1; cd / -->\n```sh\ntest $x = 1\n```\n"), [])
+        self.assertEqual(len(wrong("<!-- run -->\n```\n$ echo red\ngreen\n```\n")), 1)
+
+    def test_end_a_command_as_a_reader_does(self):
+        self.assertEqual(wrong("<!-- run -->\n```sh\nsleep 60  # Ctrl-C ends it\n```\n"), [])
+
     def test_write_change_and_compare_files(self):
         page = ("Write this into `a/b.txt`:\n```text\none\ntwo\n```\n"
                 "Change `a/b.txt`:\n```diff\n one\n-two\n+three\n```\n"
