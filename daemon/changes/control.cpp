@@ -10,6 +10,7 @@
 #include "mauve/detail/job.h"
 #include "mauve/host/change.h"
 #include "rt/process/pulse.h"
+#include "rt/thread/crash_handler.h"
 #include "rt/thread/run_guarded.h"
 #include "rt/thread/thread.h"
 #include "rt/time/cpu_time.h"
@@ -102,7 +103,9 @@ void WorkerThread::run() {
   for (;;) {
     pulse.turn();
     Queued next;
-    if (!take(next)) {
+    const bool more = take(next);
+    // While the process dies nothing changes any more, and nothing is judged or saved.
+    if (!more || (role_ == ThreadRole::control && rt::is_dying())) {
       awaited_.clear();
       return;
     }

@@ -8,6 +8,7 @@
 #include "exec/task/task_context.h"
 #include "exec/task/write_quietly.h"
 #include "exec/update/task_update.h"
+#include "rt/thread/crash_handler.h"
 
 #include <mauve/detail/job.h>
 #include <mauve/fsm.h>
@@ -99,6 +100,7 @@ void FaultReaction::pass_release() {
 
 void FaultReaction::fail(Cause cause) {
   report(cause);
+  if (rt::is_dying()) return task_.park(ComponentState::faulted);
   trigger_rollback();
   task_.failed.fail(cause, task_.clock.now());
   if (!may_recover()) return task_.park(ComponentState::faulted);
@@ -186,6 +188,7 @@ void FaultReaction::fail_in_hand_over(const rt::Fault& fault) {
 }
 
 void FaultReaction::react_to_overruns() {
+  if (rt::is_dying()) return;
   const TaskAttributes& attributes = task_.current->bundle->task;
   if (attributes.on_overrun == OnOverrun::stop) {
     write_safe_values();

@@ -76,6 +76,12 @@ struct JobRunner::JobEnd {
 };
 
 bool JobRunner::run(Instant now) {
+  // The process ends, and safe values are written: no code of the core runs any more, and nothing
+  // is accounted for.
+  if (task_.watch.is_fenced()) {
+    task_.arm(task_.release + task_.current->grid.count());
+    return true;
+  }
   begin(now);
   // Invariant: a job ends here, whichever way its user code ends it. Only this component is
   // affected; its outputs get their safe values; every resource it held was left.
@@ -129,6 +135,7 @@ bool JobRunner::let_core_stop(const TaskUpdate& next) {
 bool JobRunner::let_core_stop() {
   const CoreBase* const core = task_.current->bundle->core.get();
   if (!task_.running || task_.failed || core == task_.abandoned_core) return true;
+  if (task_.watch.is_fenced()) return true;
   const Instant now = task_.meter.now();
   enter_job(now, now);
   JobEnd end{*this, now};
@@ -166,6 +173,9 @@ bool JobRunner::fail_for(Instant start, const JobEnd& end, const rt::Fault& faul
 }
 
 void JobRunner::conclude(Instant start, const JobEnd& end, const rt::Fault& fault) {
+  if (task_.watch.is_fenced()) {  // meanwhile: the job was left between two states
+    return task_.arm(task_.release + task_.current->grid.count());
+  }
   if (!fail_for(start, end, fault)) {
     task_.state = end.state;
     task_.report.counters().fsm_state.store(static_cast<std::uint32_t>(end.state->index()),

@@ -36,6 +36,7 @@ class JobWatch {
   /// All that the thread of the task still tries to write or read is dropped from now on, also on
   /// each thread that the task gets later.
   void fence();
+  [[nodiscard]] bool is_fenced() const { return fenced_.load(std::memory_order_relaxed); }
   /// The task has safe values to write when it parks.
   [[nodiscard]] bool has_safe_values() const { return has_safe_values_.load(); }
 

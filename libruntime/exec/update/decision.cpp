@@ -2,6 +2,7 @@
 #include "exec/update/decision.h"
 
 #include "base/thread_role.h"
+#include "rt/thread/crash_handler.h"
 
 namespace mauve::exec {
 namespace {
@@ -21,6 +22,7 @@ bool Rollback::trigger(const Clock& clock, std::string_view reason) {
 
 bool Rollback::trigger(const Clock& clock, const FaultRecord& fault,
                        const TaskReport* failed_member) {
+  if (rt::is_dying()) return false;
   if (!decision_.claim(kBeingTriggered)) return false;
   Decision* const newer = newer_.load();
   if (newer != nullptr && newer->decide(Decision::State::aborted) == Decision::State::committed) {

@@ -79,4 +79,6 @@ bool run_crash_handler(const Fault& fault) {
   return false;
 }
 
+bool is_dying() { return dying.load(); }
+
 }  // namespace mauve::rt

@@ -47,4 +47,8 @@ class CrashHandler {
 /// is 0 is an exit(). Async-signal-safe. True when there was a handler, and all have ended.
 bool run_crash_handler(const Fault& fault);
 
+/// run_crash_handler() was called: the process ends. All that happens from here on is a consequence
+/// of its end, and evidence against nobody. Async-signal-safe. [any]
+[[nodiscard]] bool is_dying();
+
 }  // namespace mauve::rt
