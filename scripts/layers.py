@@ -29,7 +29,7 @@ MAY_USE = {
     "protocol": "public base",
     "log": "public base rt",
     "daemon": RUNTIME + " protocol log",
-    "guardian": "rt",
+    "guardian": "rt base",
     "ctl": "public base rt protocol log",
     "serial": "public",
     "plugins": "public serial",
@@ -39,6 +39,7 @@ MAY_USE = {
 }
 # A layer that uses another one in part only: the headers of that one that it may include.
 PARTS = {("guardian", "rt"): "libruntime/rt/guardian/guardian_wire.h",
+         ("guardian", "base"): "libruntime/base/standard_streams.h",
          ("ctl", "log"): "daemon/log/events.def",
          ("ctl", "rt"): "libruntime/rt/machine/machine_costs.h libruntime/rt/process/process.h "
                         "libruntime/rt/thread/futex.h libruntime/rt/thread/thread.h"}
@@ -57,7 +58,6 @@ ROOMS = {
     "nlohmann/": "libruntime/arch/ daemon/protocol/ ctl/render/",
     "boost/asio": "daemon/server/ ctl/cli/client",
     "boost/": "",
-    "spdlog/": "daemon/log/",
     "fmt/": "daemon/log/",
     "CLI/": "daemon/options daemon/main ctl/cli/options ctl/cli/main",
     "Eigen/": "plugins/",

@@ -54,6 +54,11 @@ std::vector<std::string> entries(const Record& record) {
 class JournalSink final : public Sink {
  public:
   Status write(const Record& record) override {
+    // sd_journal_sendv() calls it a success when there is no journal.
+    if (!journal_answers()) {
+      return refuse({Errc::system, "log_not_written"}, "the journal", "no journal answers",
+                    "see to systemd-journald");
+    }
     auto texts = entries(record);
     std::vector<iovec> parts;
     parts.reserve(texts.size());
@@ -66,8 +71,6 @@ class JournalSink final : public Sink {
     }
     return ok();
   }
-
-  void flush() override {}
 };
 
 }  // namespace

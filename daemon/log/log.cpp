@@ -2,6 +2,7 @@
 #include "log/log.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <iterator>
 #include <limits>
 #include <utility>
@@ -16,10 +17,7 @@ Log::Log(Level level, std::size_t history) : levels_(level), history_(history) {
 
 Log::~Log() { stop(); }
 
-void Log::add_sink(std::unique_ptr<Sink> sink) {
-  sinks_.push_back(std::move(sink));
-  broken_.push_back(false);
-}
+void Log::add_sink(std::unique_ptr<Sink> sink) { sinks_.push_back({std::move(sink), 0, {}}); }
 
 void Log::start() {
   {
@@ -145,11 +143,6 @@ void Log::write_up_to(std::vector<Record>& batch, std::int64_t cut) {
   const auto end = std::find_if(batch.begin(), batch.end(),
                                 [&](const Record& record) { return record.monotonic_ns > cut; });
   std::for_each(batch.begin(), end, [&](Record& record) { deliver(std::move(record)); });
-  if (end != batch.begin()) {
-    for (auto& sink : sinks_) {
-      sink->flush();
-    }
-  }
   batch.erase(batch.begin(), end);
 }
 
@@ -159,26 +152,35 @@ void Log::deliver(Record record) {
   }
   record.seq = ++seq_;
   history_.add(record);
-  for (std::size_t i = 0; i < sinks_.size(); ++i) {
-    const auto written = sinks_[i]->write(record);
-    if (!written && !broken_[i]) {
-      broken_[i] = true;
-      report_failure(i, written.error());
-    } else if (written) {
-      broken_[i] = false;
+  write_to_sinks(record, nullptr);
+}
+
+/// To all sinks but one. One that fails is reported once, and once when it takes records again.
+void Log::write_to_sinks(const Record& record, const Destination* but) {
+  for (auto& sink : sinks_) {
+    if (&sink == but) {
+      continue;
+    }
+    const auto written = sink.sink->write(record);
+    if (!written) {
+      unwritten_.fetch_add(1);
+      if (++sink.missing == 1) {
+        sink.target = written.error().at;
+        report(Event::sink_failed, sink, {{"text", written.error().message}});
+      }
+    } else if (const auto missing = std::exchange(sink.missing, 0); missing > 0) {
+      report(Event::sink_recovered, sink, {{"count", static_cast<std::int64_t>(missing)}});
     }
   }
 }
 
-void Log::report_failure(std::size_t sink, const Error& error) {
-  auto record = make_record(Event::sink_failed, {{"target", error.at}, {"text", error.message}});
+/// About a sink: in the history, and in the sinks that work.
+void Log::report(Event event, const Destination& about, Fields fields) {
+  fields.push_back({"target", about.target});
+  auto record = make_record(event, std::move(fields));
   record.seq = ++seq_;
   history_.add(record);
-  for (std::size_t i = 0; i < sinks_.size(); ++i) {
-    if (i != sink) {
-      static_cast<void>(sinks_[i]->write(record));
-    }
-  }
+  write_to_sinks(record, event == Event::sink_failed ? &about : nullptr);
 }
 
 }  // namespace mauve::logging

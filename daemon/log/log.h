@@ -2,10 +2,12 @@
 /// The log: takes events from every thread and brings them to the sinks on a thread of its own.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -56,12 +58,20 @@ class Log {
   /// set for a time. [any]
   [[nodiscard]] Levels& levels() { return levels_; }
   [[nodiscard]] History& history() { return history_; }  ///< the newest records
+  /// How many records a sink did not take, since the begin. [any]
+  [[nodiscard]] std::uint64_t unwritten() const { return unwritten_.load(); }
 
   static constexpr std::size_t kHistory = 4096;  ///< records
   static constexpr std::size_t kQueue = 8192;    ///< records that wait for a round of [log]
   static constexpr std::chrono::milliseconds kPeriod{20};
 
  private:
+  struct Destination {
+    std::unique_ptr<Sink> sink;
+    std::uint64_t missing = 0;  ///< records in a row that it did not take
+    std::string target;
+  };
+
   void run();
   /// Adds the events of the source. Delivers the records up to `cut`, in ns on the monotonic clock;
   /// the later ones stay in the batch.
@@ -70,13 +80,14 @@ class Log {
   void deliver(Record record);
   void look_at_levels(std::vector<Record>& batch);
   [[nodiscard]] bool passes(const Record& record) const;
-  void report_failure(std::size_t sink, const Error& error);
+  void write_to_sinks(const Record& record, const Destination* but);
+  void report(Event event, const Destination& about, Fields fields);
 
   Levels levels_;
   History history_;
-  std::vector<std::unique_ptr<Sink>> sinks_;
-  std::vector<bool> broken_;  ///< by sink; one complaint each until it works again
-  std::uint64_t seq_ = 0;     ///< [log]
+  std::vector<Destination> sinks_;
+  std::atomic<std::uint64_t> unwritten_{0};
+  std::uint64_t seq_ = 0;  ///< [log]
 
   Mutex source_mutex_;
   Source source_ MAUVE_GUARDED_BY(source_mutex_);

@@ -1,96 +1,69 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "log/sink.h"
 
-#include <fcntl.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
-#include <cerrno>
+#include <array>
 #include <cstdlib>
 #include <cstring>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
-#include <spdlog/logger.h>
-#include <spdlog/sinks/ansicolor_sink.h>
-#include <spdlog/sinks/basic_file_sink.h>
 
 #include "log/json_text.h"
+#include "log/lines.h"
 
 namespace mauve::logging {
 
 namespace {
 
-spdlog::level::level_enum spdlog_level(Level level) {
-  switch (level) {
-    case Level::debug:
-      return spdlog::level::debug;
-    case Level::info:
-      return spdlog::level::info;
-    case Level::warn:
-      return spdlog::level::warn;
-    case Level::error:
-      break;
-  }
-  return spdlog::level::err;
+constexpr std::size_t kMilliseconds = 23;  ///< of "2026-01-01T00:00:00.000000Z"
+
+/// The colour of the word of a level: cyan, green, bold yellow, bold red.
+std::string_view colour_of(Level level) {
+  constexpr std::array<std::string_view, 4> kColours{"\033[36m", "\033[32m", "\033[33m\033[1m",
+                                                     "\033[31m\033[1m"};
+  return kColours.at(static_cast<std::size_t>(level));
 }
 
-/// A spdlog logger as a Sink. spdlog catches the exceptions of its sinks and calls the error
-/// handler.
-class SpdlogSink : public Sink {
- public:
-  SpdlogSink(spdlog::sink_ptr sink, const std::string& pattern, std::string target)
-      : logger_("mauved", std::move(sink)), target_(std::move(target)) {
-    logger_.set_level(spdlog::level::trace);
-    logger_.set_pattern(pattern, spdlog::pattern_time_type::utc);
-    logger_.set_error_handler([this](const std::string& why) { failure_ = why; });
-  }
+bool stderr_has_colours() {
+  const char* const terminal = std::getenv("TERM");
+  return isatty(STDERR_FILENO) == 1 && terminal != nullptr &&
+         std::string_view(terminal) != "dumb" && std::getenv("NO_COLOR") == nullptr;
+}
 
+class TerminalSink final : public Sink {
+ public:
   Status write(const Record& record) override {
-    failure_.clear();
-    // spdlog says "warning" for %l; the file name of a record, %s, is free for the word of mauve.
-    const spdlog::source_loc word{to_string(record.level).data(), 1, ""};
-    logger_.log(record.time, word, spdlog_level(record.level), line(record));
-    return result();
+    const auto word = fmt::format("{:<7}", to_string(record.level));
+    const auto level = coloured_ ? fmt::format("{}{}\033[m", colour_of(record.level), word) : word;
+    // Texts of clients and cores are among it: none of them may forge a line or colour the
+    // terminal.
+    const auto text =
+        printable(record.component.empty() ? record.text : record.component + ": " + record.text);
+    return append_line(
+        STDERR_FILENO, "standard error",
+        fmt::format("{}Z {} {}", utc(record.time).substr(0, kMilliseconds), level, text), torn_);
   }
-
-  void flush() override { logger_.flush(); }
-
- protected:
-  virtual std::string line(const Record& record) = 0;
 
  private:
-  [[nodiscard]] Status result() const {
-    return failure_.empty() ? ok() : refuse({Errc::system, "log_not_written"}, target_, failure_);
-  }
-
-  spdlog::logger logger_;
-  std::string target_;
-  std::string failure_;
+  const bool coloured_ = stderr_has_colours();
+  bool torn_ = false;
 };
 
-class TerminalSink final : public SpdlogSink {
+class FileSink final : public Sink {
  public:
-  TerminalSink()
-      : SpdlogSink(std::make_shared<spdlog::sinks::ansicolor_stderr_sink_mt>(),
-                   "%Y-%m-%dT%H:%M:%S.%eZ %^%-7s%$ %v", "the terminal") {}
+  explicit FileSink(RotatedFile file) : file_(std::move(file)) {}
+
+  Status write(const Record& record) override { return file_.append(to_json_line(record)); }
 
  private:
-  /// Texts of clients and cores are among it: none of them may forge a line or colour the terminal.
-  std::string line(const Record& record) override {
-    return printable(record.component.empty() ? record.text
-                                              : record.component + ": " + record.text);
-  }
-};
-
-class FileSink final : public SpdlogSink {
- public:
-  explicit FileSink(const std::filesystem::path& path)
-      : SpdlogSink(std::make_shared<spdlog::sinks::basic_file_sink_mt>(path.string()), "%v",
-                   path.string()) {}
-
- private:
-  std::string line(const Record& record) override { return to_json_line(record); }
+  RotatedFile file_;
 };
 
 }  // namespace
@@ -98,15 +71,18 @@ class FileSink final : public SpdlogSink {
 std::unique_ptr<Sink> terminal_sink() { return std::make_unique<TerminalSink>(); }
 
 Result<std::unique_ptr<Sink>> file_sink(const std::filesystem::path& path) {
-  // Made here with its mode and checked before spdlog opens it, which would answer by an exception.
-  const int fd = open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOCTTY, 0640);
-  if (fd < 0) {
-    return refuse({Errc::system, "log_not_written"}, path.string(),
-                  fmt::format("cannot open the log file: {}", std::strerror(errno)),
-                  "name a file in an existing directory that this user may write to");
+  RotatedFile file(path.string());
+  if (auto opened = file.open(); !opened) {
+    return opened.error();
   }
-  close(fd);
-  return std::unique_ptr<Sink>(std::make_unique<FileSink>(path));
+  return std::unique_ptr<Sink>(std::make_unique<FileSink>(std::move(file)));
+}
+
+bool journal_answers() {
+  const rt::Descriptor probe(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  sockaddr_un journal{AF_UNIX, "/run/systemd/journal/socket"};
+  return probe &&
+         connect(probe.get(), reinterpret_cast<const sockaddr*>(&journal), sizeof journal) == 0;
 }
 
 bool stderr_is_journal() {
@@ -115,7 +91,7 @@ bool stderr_is_journal() {
   if (stream == nullptr || fstat(STDERR_FILENO, &status) != 0) {
     return false;
   }
-  return fmt::format("{}:{}", status.st_dev, status.st_ino) == stream;
+  return fmt::format("{}:{}", status.st_dev, status.st_ino) == stream && journal_answers();
 }
 
 }  // namespace mauve::logging

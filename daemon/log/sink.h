@@ -15,21 +15,25 @@ namespace mauve::logging {
 class Sink {
  public:
   virtual ~Sink() = default;
-  /// Fails when the destination is broken (disk full); the next record is attempted all the same.
+  /// All of a record, or nothing of it: the destination is broken then (disk full). The next record
+  /// is attempted all the same.
   [[nodiscard]] virtual Status write(const Record& record) = 0;
-  virtual void flush() = 0;
 };
 
 /// Text on stderr, coloured when that is a terminal.
 [[nodiscard]] std::unique_ptr<Sink> terminal_sink();
 
-/// JSON lines appended to a file, made if it is not there (0640).
+/// JSON lines appended to a file, made if it is not there (0640), also when it was renamed or
+/// removed meanwhile.
 [[nodiscard]] Result<std::unique_ptr<Sink>> file_sink(const std::filesystem::path& path);
 
 /// journald's native protocol with the fields MAUVE_EVENT, MAUVE_COMPONENT, MAUVE_<FIELD>.
 [[nodiscard]] std::unique_ptr<Sink> journal_sink();
 
-/// Whether stderr is connected to the journal: the process runs as a service.
+/// The socket of the journal is there. In a container or another root directory it is not.
+[[nodiscard]] bool journal_answers();
+
+/// Whether stderr is connected to a journal that answers: the process runs as a service.
 [[nodiscard]] bool stderr_is_journal();
 
 }  // namespace mauve::logging

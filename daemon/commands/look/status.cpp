@@ -115,6 +115,12 @@ Json notes_of(const Running& running) {
   for (const auto* resource : running.architecture.resources()) {
     add_warnings(notes, running, resource->core());
   }
+  if (const auto missing = running.log.unwritten(); missing > 0) {
+    notes.push_back({{"address", "log"},
+                     {"text", std::to_string(missing) +
+                                  " times a destination of the log did not take a record since the "
+                                  "start: mauvectl logs --grep 'the log'"}});
+  }
   for (const auto& one : running.other_builds) {
     const auto* loaded = running.catalog.find(one.plugin);
     if (loaded != nullptr && loaded->info().build_id == one.runs) {

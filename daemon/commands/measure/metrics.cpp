@@ -98,6 +98,9 @@ void add_system(Page& page, const Running& running) {
   page.sample({}, as_number(running.deployer.generation()));
   page.family("uptime_seconds", "gauge", "Time since the daemon started.");
   page.sample({}, up.count());
+  page.family("log_records_unwritten_total", "counter",
+              "Records that a destination of the log did not take.");
+  page.sample({}, as_number(running.log.unwritten()));
 }
 
 /// Counted since mauved began, also of methods that are not called any more.

@@ -38,7 +38,6 @@ struct FakeSink final : Sink {
     seen->records.push_back(record);
     return ok();
   }
-  void flush() override {}
 
   std::shared_ptr<Seen> seen;
 };
@@ -274,9 +273,13 @@ TEST_F(LogTest, ComplainsOnceAboutABrokenSinkAndGoesOn) {
   log.flush();
   EXPECT_EQ(log.history().tail(10, {Level::error, ""}).size(), 1U);
 
+  EXPECT_EQ(log.unwritten(), 2U);
+
   seen->broken = false;
   log.write(Event::accept_resumed);
-  EXPECT_EQ(texts().size(), 1U);
+  EXPECT_THAT(texts(),
+              testing::ElementsAre(testing::_,
+                                   "the disk takes the log again; 2 records are missing in it"));
 }
 
 TEST_F(LogTest, WritesEverythingBeforeItStops) {
@@ -286,45 +289,6 @@ TEST_F(LogTest, WritesEverythingBeforeItStops) {
   log.stop();
 
   EXPECT_EQ(seen->records.size(), 100U);
-}
-
-TEST(FileSink, AppendsJsonLines) {
-  const TempDir dir;
-  const auto path = dir / "log.jsonl";
-  for (int run = 0; run < 2; ++run) {
-    auto sink = file_sink(path);
-    ASSERT_TRUE(sink);
-    ASSERT_TRUE((*sink)->write(make_record(Event::accept_paused, {})));
-    (*sink)->flush();
-  }
-
-  const auto text = TempDir::read(path);
-
-  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2);
-  EXPECT_TRUE(protocol::parse_json(text.substr(0, text.find('\n'))));
-}
-
-TEST(FileSink, SaysWhyItCannotBeOpened) {
-  const auto sink = file_sink("/nowhere/at/all");
-
-  ASSERT_FALSE(sink);
-  EXPECT_EQ(sink.error().at, "/nowhere/at/all");
-}
-
-TEST(FileSink, FailsOnAFullDiskWithoutThrowing) {
-  if (!std::filesystem::exists("/dev/full")) {
-    GTEST_SKIP() << "there is no /dev/full here";
-  }
-  auto sink = file_sink("/dev/full");
-  ASSERT_TRUE(sink);
-
-  bool failed = false;
-  for (int i = 0; i < 1000 && !failed; ++i) {
-    failed = !(*sink)->write(make_record(Event::accept_paused, {}));
-    (*sink)->flush();
-  }
-
-  SUCCEED();
 }
 
 }  // namespace
