@@ -72,9 +72,9 @@ int Daemon::run() {
   }
   log_.write(Event::daemon_starting,
              {{"version", std::string(kVersion)}, {"file", options_.architecture}});
-  StartGuard guard(signals_, [this] { leave_by_force("a signal came while a hook hangs"); });
+  reaper_.emplace(signals_, [this](const std::string& why) { leave_by_force(why); });
   const auto started = start();
-  const auto signal = guard.finish();
+  const auto signal = reaper_->start_is_over();
   if (!started) {
     report_refusal(started.error());
     if (store_) {
@@ -298,8 +298,7 @@ void Daemon::keep_the_first() {
 }
 
 int Daemon::shut_down(const std::string& cause) {
-  const Reaper reaper(signals_, kWholeEndMayTake,
-                      [this](const std::string& why) { leave_by_force(why); });
+  reaper_->end_begins(kWholeEndMayTake);
   log_.write(Event::daemon_stopping, {{"cause", cause}});
   const auto abandoned = stop_components();  // before all that may wait for others
   notify::stopping("stopping on " + cause);
@@ -339,6 +338,7 @@ int Daemon::shut_down(const std::string& cause) {
     // A thread still runs in code that a tidy end would unmap under its feet.
     _exit(1);
   }
+  reaper_->end_is_over();
   return 0;
 }
 
@@ -373,7 +373,7 @@ void Daemon::leave_by_force(const std::string& cause) {
               {"text", all_stopped_ ? "after all components stopped with their safe values written"
                        : safe       ? "after the safe values were written"
                                     : "and no safe values could be written now"}});
-  unlink(options_.socket.c_str());
+  remove_sockets();
   std::this_thread::sleep_for(kCrashHandlerMayTake);
 }
 

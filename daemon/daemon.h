@@ -53,13 +53,21 @@ class Daemon {
   [[nodiscard]] int shut_down(const std::string& cause);
   [[nodiscard]] std::vector<std::string> stop_components();
   void leave_by_force(const std::string& cause);
+  void remove_sockets() const {
+    if (endpoint_) {
+      endpoint_->remove_names();
+    } else if (server_ != nullptr) {
+      server_->remove_names();
+    }
+  }
   [[noreturn]] void leave_without(const std::string& lacking);
   void report_refusal(const Error& error);
 
   const Options options_;
   const std::vector<DecidingPath> deciding_;
   std::atomic<bool> all_stopped_{false};  ///< at the end, with their safe values written
-  Signals signals_;
+  Signals signals_{!options_.log_file.empty()};
+  std::optional<Reaper> reaper_;  ///< from the start to the end
   logging::Log log_;
   Guardian guardian_{log_};
   std::optional<server::Endpoint> endpoint_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "signals.h"
 
+#include <fcntl.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -16,16 +17,9 @@ namespace {
 
 constexpr std::chrono::milliseconds kGlance{20};
 
-sigset_t ending_signals() {
-  sigset_t set;
-  sigemptyset(&set);
-  sigaddset(&set, SIGTERM);
-  sigaddset(&set, SIGINT);
+bool is_ignored(int number) {
   struct sigaction present {};
-  if (sigaction(SIGHUP, nullptr, &present) == 0 && present.sa_handler != SIG_IGN) {
-    sigaddset(&set, SIGHUP);
-  }
-  return set;
+  return sigaction(number, nullptr, &present) == 0 && present.sa_handler == SIG_IGN;
 }
 
 std::string name_of(int number) {
@@ -33,68 +27,48 @@ std::string name_of(int number) {
   return name == nullptr ? "signal " + std::to_string(number) : "SIG" + std::string(name);
 }
 
+/// A terminal whose end SIGHUP would report.
+bool has_terminal() {
+  const int terminal = open("/dev/tty", O_RDONLY | O_NOCTTY | O_CLOEXEC);
+  if (terminal >= 0) {
+    close(terminal);
+  }
+  return terminal >= 0;
+}
+
 }  // namespace
 
-Signals::Signals() {
-  const auto set = ending_signals();
-  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+Signals::Signals(bool has_log_file) {
+  sigemptyset(&ends_);
+  sigaddset(&ends_, SIGTERM);
+  if (has_log_file || !has_terminal()) {
+    signal(SIGHUP, SIG_IGN);
+  }
+  for (const int number : {SIGINT, SIGHUP}) {
+    if (!is_ignored(number)) {
+      sigaddset(&ends_, number);
+    }
+  }
+  pthread_sigmask(SIG_BLOCK, &ends_, nullptr);
   signal(SIGPIPE, SIG_IGN);  // a closed terminal or log reader is no reason to drop a robot
   signal(SIGXFSZ, SIG_IGN);  // nor is a quota: the write fails and is reported
 }
 
 std::optional<std::string> Signals::wait(std::chrono::milliseconds time) const {
-  const auto set = ending_signals();
   const std::timespec limit{time.count() / 1000, time.count() % 1000 * 1'000'000};
-  const int number = sigtimedwait(&set, nullptr, &limit);
+  const int number = sigtimedwait(&ends_, nullptr, &limit);
   return number > 0 ? std::optional(name_of(number)) : std::nullopt;
 }
 
 std::string Signals::wait() const {
-  const auto set = ending_signals();
   int number = 0;
-  while (sigwait(&set, &number) != 0) {
+  while (sigwait(&ends_, &number) != 0) {
   }
   return name_of(number);
 }
 
-StartGuard::StartGuard(const Signals& signals, std::function<void()> crash_handler)
+Reaper::Reaper(const Signals& signals, std::function<void(const std::string& cause)> crash_handler)
     : signals_(signals), crash_handler_(std::move(crash_handler)) {
-  thread_ = std::thread([this] { run(); });
-}
-
-std::optional<std::string> StartGuard::finish() {
-  {
-    const MutexLock lock(mutex_);
-    finished_ = true;
-  }
-  wake_.notify_all();
-  if (thread_.joinable()) {
-    thread_.join();
-  }
-  return signal_;
-}
-
-void StartGuard::run() {
-  while (!signal_) {
-    if (finished_within(std::chrono::milliseconds(0))) {
-      return;
-    }
-    signal_ = signals_.wait(kGlance);
-  }
-  if (!finished_within(kPatience)) {
-    crash_handler_();
-    _exit(1);
-  }
-}
-
-bool StartGuard::finished_within(std::chrono::milliseconds time) {
-  MutexLock lock(mutex_);
-  return wake_.wait_for(lock, time, [this]() MAUVE_REQUIRES(mutex_) { return finished_; });
-}
-
-Reaper::Reaper(const Signals& signals, std::chrono::milliseconds patience,
-               std::function<void(const std::string& cause)> crash_handler)
-    : signals_(signals), patience_(patience), crash_handler_(std::move(crash_handler)) {
   thread_ = std::thread([this] {
     begin_thread(ThreadRole::reaper);
     run();
@@ -102,36 +76,74 @@ Reaper::Reaper(const Signals& signals, std::chrono::milliseconds patience,
 }
 
 Reaper::~Reaper() {
-  {
-    const MutexLock lock(mutex_);
-    finished_ = true;
-  }
-  wake_.notify_all();
+  enter(Phase::over);
   thread_.join();
 }
 
-void Reaper::run() {
-  const auto until = std::chrono::steady_clock::now() + patience_;
-  std::string cause = "it takes too long";
-  while (std::chrono::steady_clock::now() < until) {
-    if (const auto second = signals_.wait(kGlance)) {
-      cause = "second signal, " + *second;
-      if (finished_within(kHurry)) {
-        return;
-      }
-      break;
-    }
-    if (finished_within(std::chrono::milliseconds(0))) {
-      return;
-    }
+std::optional<std::string> Reaper::start_is_over() {
+  enter(Phase::running);
+  MutexLock lock(mutex_);
+  while (watched_) {
+    wake_.wait(lock);
   }
-  crash_handler_(cause);
-  _exit(1);
+  return signal_;
 }
 
-bool Reaper::finished_within(std::chrono::milliseconds time) {
+void Reaper::end_begins(std::chrono::milliseconds patience) {
+  patience_ = patience;
+  enter(Phase::ending);
+}
+
+void Reaper::run() {
+  watch_start();
+  {
+    const MutexLock lock(mutex_);
+    watched_ = false;
+  }
+  wake_.notify_all();
+  while (!leaves(Phase::running, std::chrono::hours(1))) {
+  }
+  watch_end();
+}
+
+void Reaper::watch_start() {
+  while (!signal_ && !leaves(Phase::starting, std::chrono::milliseconds(0))) {
+    signal_ = signals_.wait(kGlance);
+  }
+  if (!leaves(Phase::starting, kPatience)) {
+    reap("a signal came while a hook hangs");
+  }
+}
+
+void Reaper::watch_end() {
+  const auto until = std::chrono::steady_clock::now() + patience_;
+  while (!leaves(Phase::ending, std::chrono::milliseconds(0))) {
+    if (std::chrono::steady_clock::now() >= until) {
+      reap("it takes too long");
+    }
+    const auto second = signals_.wait(kGlance);
+    if (second && !leaves(Phase::ending, kHurry)) {
+      reap("second signal, " + *second);
+    }
+  }
+}
+
+void Reaper::enter(Phase phase) {
+  {
+    const MutexLock lock(mutex_);
+    phase_ = phase;
+  }
+  wake_.notify_all();
+}
+
+bool Reaper::leaves(Phase phase, std::chrono::milliseconds time) {
   MutexLock lock(mutex_);
-  return wake_.wait_for(lock, time, [this]() MAUVE_REQUIRES(mutex_) { return finished_; });
+  return wake_.wait_for(lock, time, [&]() MAUVE_REQUIRES(mutex_) { return phase_ != phase; });
+}
+
+void Reaper::reap(const std::string& cause) {
+  crash_handler_(cause);
+  _exit(1);
 }
 
 }  // namespace mauve::daemon

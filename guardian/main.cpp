@@ -16,6 +16,7 @@
 #include <cstring>
 #include <string_view>
 
+#include "base/standard_streams.h"
 #include "sandbox.h"
 #include "say.h"
 #include "session.h"
@@ -50,18 +51,18 @@ int failed(const char* doing, const char* path) {
   return -1;
 }
 
-/// Replaces the socket of a guardian that is gone, and refuses when another one serves there.
+/// Replaces the socket of a guardian that is gone: only there nobody listens. False: the place is
+/// taken, and errno says why.
 bool is_free(const sockaddr_un& address) {
-  const int socket = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  const bool served =
-      connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 ||
-      errno == EAGAIN;
-  close(socket);
   struct stat there {};
-  if (served || lstat(address.sun_path, &there) != 0) return !served;
-  if (!S_ISSOCK(there.st_mode)) return false;
-  unlink(address.sun_path);
-  return true;
+  if (lstat(address.sun_path, &there) != 0) return errno == ENOENT;
+  const int socket = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (socket < 0) return false;
+  const int failed = connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  const int why = failed == 0 || errno == EAGAIN ? EADDRINUSE : errno;
+  close(socket);
+  errno = why;
+  return why == ECONNREFUSED && S_ISSOCK(there.st_mode) && unlink(address.sun_path) == 0;
 }
 
 /// The socket that a mauved connects to; -1: there is none, and the error is reported.
@@ -73,10 +74,7 @@ int listen_at(const char* path) {
     return failed("listen at", path);
   }
   std::strcpy(address.sun_path, path);
-  if (!is_free(address)) {
-    errno = EADDRINUSE;
-    return failed("listen at", path);
-  }
+  if (!is_free(address)) return failed("listen at", path);
   const int socket = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
   umask(0177);
   if (bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
@@ -126,7 +124,8 @@ void serve_all(int listener) {
 }  // namespace
 
 int main(int count, char** words) {
-  std::signal(SIGPIPE, SIG_IGN);  // of an output, or of the log, whose reader is gone
+  mauve::occupy_standard_streams();  // else its text could go to the device of an output
+  std::signal(SIGPIPE, SIG_IGN);     // of an output, or of the log, whose reader is gone
   const std::string_view option = count > 1 ? words[1] : "";
   if (option == "--help" || option == "-h") return print_help();
   if (count != 3) return refuse_use("one option and its value are needed");

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <cstdint>
 #include <cstdio>
 #include <fstream>
@@ -22,6 +23,9 @@ namespace {
 constexpr int kMostDescriptors = 4096;
 
 bool lock_now(int descriptor) { return ::flock(descriptor, LOCK_EX | LOCK_NB) == 0; }
+
+/// The node of a device that is no longer there.
+bool is_unplugged(int error) { return error == ENOENT || error == ENODEV || error == ENXIO; }
 
 /// A copy of the descriptor on which this process holds the lock of the device; -1: it does not.
 int copy_of_own_lock(const struct stat& device, int except) {
@@ -85,11 +89,13 @@ DeviceLock::Found DeviceLock::take(int line, const char* path, Opening opening) 
   if (::fstat(line, &device) != 0) return Found::free;
   for (int* const its : {&own_, &lock_}) {
     *its = ::open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    if (*its < 0 && !is_unplugged(errno)) return unknown();
     const bool same = *its >= 0 && ::fstat(*its, &opened) == 0 && device.st_rdev == opened.st_rdev;
     if (!same) return Found::free;  // unplugged at this moment: the line notices that
   }
   if (place_ >= 0) mark(own_, place_);
   if (lock_now(lock_)) return Found::free;
+  if (errno != EWOULDBLOCK) return unknown();
   close_now(lock_);
   if (place_ >= 0) {
     const std::int64_t first = first_place();
@@ -106,6 +112,13 @@ DeviceLock::Found DeviceLock::take(int line, const char* path, Opening opening) 
   if (shared_) return Found::free;
   release();
   return Found::other_process;
+}
+
+DeviceLock::Found DeviceLock::unknown() {
+  const int why = errno;
+  release();
+  errno = why;
+  return Found::unknown;
 }
 
 /// Until release(), or the next take().

@@ -232,6 +232,10 @@ Status SerialPort::open(const std::string& device, int baud, Missing missing, Us
     return refuse(Errc::conflict, {}, "'" + path_ + "' is the device of another component",
                   "one device has one driver: stop that one, or name another device");
   }
+  if (found == Found::unknown) {
+    return refuse(Errc::system, {}, "cannot lock '" + path_ + "': " + system_text(errno),
+                  "without the lock another process could drive the same device");
+  }
   if (found == Found::other_process) {
     return refuse(Errc::conflict, {}, "'" + path_ + "' belongs to " + holder_of(path_),
                   "one device has one driver: end that process, or name another device");
@@ -283,10 +287,9 @@ bool SerialPort::reopen() {
   if (alone_ && terminal) {
     using Found = DeviceLock::Found;
     const Found found = lock_.take(opened.number(), path_.c_str(), DeviceLock::Opening::again);
-    if (found != Found::free) {
-      errno = found == Found::other_process ? EBUSY : kOfAnotherComponent;
-      return false;
-    }
+    if (found == Found::other_process) errno = EBUSY;
+    if (found == Found::other_component) errno = kOfAnotherComponent;
+    if (found != Found::free) return false;
   }
   // A line that has the device already gave it its speed.
   if (!set_raw(opened.number(), lock_.is_shared() ? 0 : baud_)) return false;

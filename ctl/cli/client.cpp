@@ -129,12 +129,13 @@ std::string how_to_be_permitted(const std::string& path) {
 
 std::string how_to_reach(const std::string& path, const std::string& service) {
   if (path != service && (access(service.c_str(), F_OK) == 0 || errno == EACCES)) {
-    return "start a mauved of your own (mauved ARCHITECTURE.json), or ask that of the system "
-           "service: export MAUVE_SOCKET=" +
+    return "if no mauved of yours runs (pgrep -a mauved), start one (mauved ARCHITECTURE.json), or "
+           "ask that of the system service: export MAUVE_SOCKET=" +
            service;
   }
-  return "look at the service (systemctl status mauved, journalctl -u mauved), start it (systemctl "
-         "start mauved, or mauved ARCHITECTURE.json), or choose another --socket";
+  return "look at the service (systemctl status mauved, journalctl -u mauved); if no mauved runs "
+         "(pgrep -a mauved; it makes a socket that was removed anew within a second), start it "
+         "(systemctl start mauved, or mauved ARCHITECTURE.json), or choose another --socket";
 }
 
 struct Client::Connection {

@@ -15,7 +15,8 @@ Interrupt::Interrupt() {
   g_enough = 0;
   struct sigaction action {};
   action.sa_handler = enough;
-  sigaction(SIGINT, &action, &on_interrupt_);
+  sigaction(SIGINT, nullptr, &on_interrupt_);
+  if (on_interrupt_.sa_handler != SIG_IGN) sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, &on_end_);
 }
 

@@ -78,7 +78,8 @@ int run(const std::vector<std::string>& words) {
 
 int main(int count, char** words) {
   mauve::occupy_standard_streams();
-  signal(SIGINT, end_at_once);
+  // In the background of a script SIGINT is ignored, and stays so.
+  if (signal(SIGINT, end_at_once) == SIG_IGN) signal(SIGINT, SIG_IGN);
   signal(SIGTERM, end_at_once);
   // The last door: a full memory or a library's surprise is an error with an exit code, not a
   // crash.

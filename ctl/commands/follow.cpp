@@ -82,7 +82,8 @@ int run_watch(Session& session) {
   const auto interval = timeout_of(every);
   if (!every.empty() && !interval) {
     return session.fail(protocol::wrong_use("usage_not_a_time", "'" + every + "' is no duration",
-                                            {}, "example: mauvectl watch odometry.read --every 500ms"));
+                                            {},
+                                            "example: mauvectl watch odometry.read --every 500ms"));
   }
   Thinning thinning(interval, session.arguments.has("--changes"));
   const auto answer =

@@ -36,6 +36,12 @@ class Doors {
   void close();
   /// [main] behind [io]: removes the sockets.
   void remove() { endpoint_.reset(); }
+  /// [any] The same while the process ends by force.
+  void remove_names() const {
+    if (endpoint_) {
+      endpoint_->remove_names();
+    }
+  }
 
   /// A client went: its descriptor may be used for the next one.
   void on_client_gone();

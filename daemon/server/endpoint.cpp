@@ -131,11 +131,19 @@ Status clear_dead_socket(const std::filesystem::path& path) {
     return address.error();
   }
   const int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (probe < 0) {
+    return system_error(path.string(), "cannot make a socket");
+  }
   const auto* generic = reinterpret_cast<const sockaddr*>(&*address);
   const int rc = connect(probe, generic, sizeof *address);
   const int why = errno;
   close(probe);
-  if (rc == 0 || why != ECONNREFUSED) {
+  if (rc != 0 && why != ECONNREFUSED && why != EAGAIN) {
+    errno = why;
+    return system_error(path.string(), "cannot find out whether somebody listens at this socket",
+                        std::string("remove it, or ") + protocol::kUseOwnSocket);
+  }
+  if (rc == 0 || why == EAGAIN) {
     return refuse({Errc::conflict, "socket_in_use"}, path.string(),
                   "somebody else listens at this socket",
                   std::string("stop it first, or ") + protocol::kUseOwnSocket);
@@ -177,15 +185,21 @@ Endpoint::~Endpoint() {
     if (at(way).listener >= 0) {
       close(at(way).listener);
     }
-    if (is_there(way)) {
-      unlink(at(way).path.c_str());
-    }
   }
+  remove_names();
   if (lock_ >= 0) {
     if (same_file(lock_, lock_path(path()))) {
       unlink(lock_path(path()).c_str());
     }
     close(lock_);
+  }
+}
+
+void Endpoint::remove_names() const {
+  for (const auto way : kWays) {
+    if (is_there(way)) {
+      unlink(at(way).path.c_str());
+    }
   }
 }
 
@@ -241,7 +255,7 @@ Status Endpoint::take_lock() {
       return system_error(name, "cannot open the lock of the socket", protocol::kUseOwnSocket);
     }
     const bool locked = flock(lock, LOCK_EX | LOCK_NB) == 0;
-    const bool held = !locked && errno == EWOULDBLOCK;
+    const int why = locked ? 0 : errno;
     if (locked && same_file(lock, name)) {
       if (const int before = std::exchange(lock_, lock); before >= 0) {
         close(before);
@@ -249,7 +263,12 @@ Status Endpoint::take_lock() {
       return ok();
     }
     close(lock);
-    if (held) {
+    if (!locked && why != EWOULDBLOCK) {
+      errno = why;
+      return system_error(name, "cannot lock it, so another mauved could serve the same socket",
+                          "choose a place on a disk of this machine with --socket");
+    }
+    if (!locked) {
       return refuse({Errc::conflict, "socket_in_use"}, path().string(),
                     "another mauved serves this socket",
                     std::string("stop it first, or ") + protocol::kUseOwnSocket);

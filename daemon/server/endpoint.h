@@ -37,6 +37,8 @@ class Endpoint {
   /// The listening descriptor, non-blocking; the caller owns it from here on. -1: there is none.
   [[nodiscard]] int release_listener(Way way);
   [[nodiscard]] const std::filesystem::path& path(Way way = Way::all) const { return at(way).path; }
+  /// [any] Removes the names of the sockets that are still ours, when the process ends by force.
+  void remove_names() const;
   /// [io] The name leads to our socket still.
   [[nodiscard]] bool is_there(Way way) const;
   /// [io] Makes the directory, the lock and the socket anew, where they are gone. The listener that

@@ -61,6 +61,9 @@ class Server {
   /// [io] thread and removes the sockets. The second time does nothing. [main]
   void stop(std::chrono::milliseconds grace);
 
+  /// [any] Removes the sockets while the process ends by force.
+  void remove_names() const { doors_.remove_names(); }
+
   /// [any] Runs `job` on [io].
   void post(std::function<void()> job);
   /// [any] The clients that are connected.

@@ -97,6 +97,10 @@ Result<Descriptor> hold_directory(const path& directory) {
     return state_not_written(directory, "open the directory");
   }
   if (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK) {
+      return state_not_written(directory,
+                               "lock the directory, so another mauved could write there");
+    }
     return refuse({Errc::conflict, "state_in_use"}, directory.string(),
                   "another mauved keeps its generations here", "give each its own --state-dir");
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // The end of mauved: no end that it decides itself leaves an output as it was.
+#include <csignal>
 #include <cstdlib>
 
 #include "trial_daemon.h"
@@ -35,6 +36,64 @@ TEST(Leaving, WritesTheSafeValuesAlsoWhenNoCommandIsServedAnyMore) {
   EXPECT_EQ(daemon.process().wait(), 1);
   EXPECT_EQ(TempDir::read(noted), "-");
   EXPECT_TRUE(daemon.says("the safe values of 1 components are written")) << daemon.errors();
+}
+
+/// mauved in a shell that has done `before`, with these options. Its log is in `place`/log.
+class Begun {
+ public:
+  Begun(const std::string& before, const std::string& options = {})
+      : mauved_({"/bin/sh", "-c",
+                 before + "; exec " MAUVE_BIN_DIR "/mauved " +
+                     place_.write("trial.json", kTrial).string() + " --realtime off --socket " +
+                     socket() + " --plugin-dir " + whole_.plugins().string() + " " + options},
+                (place_ / "log").string()) {
+    EXPECT_TRUE(eventually([&] { return serves() || !mauved_.running(); })) << said();
+  }
+
+  [[nodiscard]] Process& mauved() { return mauved_; }
+  [[nodiscard]] std::string socket() const { return (place_ / "sock").string(); }
+  [[nodiscard]] std::string said() const { return TempDir::read(place_ / "log"); }
+  [[nodiscard]] bool serves() const {
+    return mauvectl(socket(), {"ping"}, (place_ / "client").string()).exit == 0;
+  }
+
+ private:
+  const TrialDaemon whole_;  // its folder has the plugin
+  TempDir place_;
+  Process mauved_;
+};
+
+TEST(Leaving, IsNotBegunByAnInterruptOfAnotherProgram) {
+  Begun begun("trap '' INT HUP");  // as a shell does for a program behind "&", and as nohup does
+
+  begun.mauved().signal(SIGINT);
+  begun.mauved().signal(SIGHUP);
+  EXPECT_TRUE(begun.serves()) << begun.said();
+
+  begun.mauved().signal(SIGTERM);
+  EXPECT_EQ(begun.mauved().wait(), 0);
+  EXPECT_THAT(begun.said(), testing::HasSubstr("stopping on SIGTERM"));
+}
+
+TEST(Leaving, IsBegunByTermAlsoWhereItWasIgnored) {
+  Begun begun("trap '' TERM");
+  begun.mauved().signal(SIGTERM);
+  EXPECT_EQ(begun.mauved().wait(), 0);
+}
+
+TEST(Leaving, IsNotBegunByTheRotationOfALog) {
+  const TempDir logs;
+  const auto file = logs / "mauved.jsonl";
+  Begun begun("true", "--log-file " + file.string());
+  std::filesystem::rename(file, logs / "mauved.1");
+
+  begun.mauved().signal(SIGHUP);
+  begun.mauved().signal(SIGTERM);
+
+  EXPECT_EQ(begun.mauved().wait(), 0);
+  EXPECT_THAT(begun.said(), testing::HasSubstr("stopping on SIGTERM"));
+  EXPECT_THAT(TempDir::read(logs / "mauved.1"), testing::HasSubstr("daemon_running"));
+  EXPECT_THAT(TempDir::read(file), testing::HasSubstr("daemon_stopped"));
 }
 
 /// Each number of descriptors up to the first that suffices.

@@ -33,10 +33,21 @@ class Process {
     posix_spawn_file_actions_adddup2(&actions, pipe_ends[1], STDOUT_FILENO);
     posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, errors.c_str(),
                                      O_WRONLY | O_CREAT | O_APPEND, 0644);
+    // A test may run in the background of a script, which ignores these for it.
+    sigset_t usual;
+    sigemptyset(&usual);
+    for (const int one : {SIGINT, SIGQUIT, SIGHUP}) sigaddset(&usual, one);
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setsigdefault(&attributes, &usual);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
-    if (posix_spawn(&id_, arguments[0], &actions, nullptr, arguments.data(), environ) != 0) id_ = 0;
+    if (posix_spawn(&id_, arguments[0], &actions, &attributes, arguments.data(), environ) != 0) {
+      id_ = 0;
+    }
+    posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
     ::close(pipe_ends[1]);
   }

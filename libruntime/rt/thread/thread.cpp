@@ -58,7 +58,13 @@ int caller_policy() {
   return policy;
 }
 
+bool is_realtime(int policy) { return policy == SCHED_FIFO || policy == SCHED_RR; }
+
 Error no_fifo(int priority, int error) {
+  if (priority <= 0) {
+    return refuse({Errc::system, "thread_not_made"}, "realtime",
+                  std::string("cannot create an ordinary thread: ") + std::strerror(error));
+  }
   if (error == EPERM) return fifo_refusal(fifo_facts(priority));
   return refuse({Errc::system, "thread_not_made"}, "realtime",
                 std::string("cannot create a SCHED_FIFO thread: ") + std::strerror(error));
@@ -91,9 +97,9 @@ Status Thread::start(const ThreadAttributes& attributes, std::function<void()> b
   pthread_attr_t attr;
   pthread_attr_init(&attr);
   pthread_attr_setstacksize(&attr, std::max(attributes.stack * kStackFactor, smallest + 4096));
-  // An ordinary thread asks for its policy only where it would inherit another one (Boost): a
-  // sandbox may refuse every call for a policy.
-  if (attributes.priority > 0 || caller_policy() != SCHED_OTHER) {
+  // An ordinary thread asks for its policy only where it would inherit that of a real-time thread.
+  // A sandbox may refuse every call for a policy, and the kernel refuses one that ends SCHED_IDLE.
+  if (attributes.priority > 0 || is_realtime(caller_policy())) {
     sched_param parameter{};
     parameter.sched_priority = attributes.priority;
     pthread_attr_setinheritsched(&attr, PTHREAD_EXPLICIT_SCHED);
@@ -147,7 +153,7 @@ bool Thread::asleep() const {
   std::array<char, 256> stat{};
   std::snprintf(path.data(), path.size(), "/proc/self/task/%d/stat", id_.load());
   const int file = open(path.data(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return true;
+  if (file < 0) return false;  // not known: a job is not blamed for a processor that it lacked
   const ssize_t length = read(file, stat.data(), stat.size() - 1);
   close(file);
   // "12 (its name) R ...": the name may hold anything.

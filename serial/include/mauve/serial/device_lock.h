@@ -20,7 +20,8 @@ namespace mauve::serial {
 class DeviceLock {
  public:
   /// The outcome of take().
-  enum class Found : std::uint8_t { free, other_process, other_component };
+  /// `unknown`: the lock could not be asked for, and errno says why; the device is not to be used.
+  enum class Found : std::uint8_t { free, other_process, other_component, unknown };
   /// The first opening of a line shares the device with another component. A change that puts one
   /// driver in place of another needs that, and mauved refuses two drivers of one device before. A
   /// component of which another line waits for the device already has no such first opening.
@@ -45,6 +46,7 @@ class DeviceLock {
 
  private:
   void wait_for_it();
+  Found unknown();
 
   int own_ = -1;             // with the record lock
   int lock_ = -1;            // with the lock of the process
