@@ -101,6 +101,32 @@ class Results(unittest.TestCase):
         self.assertIn("FAILED  asan: A.B. It had said:\nFAILED  asan: C.D. It had said:\n", output)
         self.assertEqual(self.results("--sum", "counts"), (0, "0 passed, 2 failed, 0 skipped\n"))
 
+    def skipping_program(self, last):
+        """The summary of a stage with a program of two tests, of which the first is skipped."""
+        self.write("first.xml", junit([("campaign", "run", f"""
+[ RUN      ] A.B
+a.cpp:7: Skipped
+NOT TESTED: no SCHED_FIFO here
+
+[  SKIPPED ] A.B (0 ms)
+{last}
+[  SKIPPED ] 1 test, listed below:
+[  SKIPPED ] A.B
+""")]))
+        return self.results("campaign", "first.xml", "counts")
+
+    def test_counts_a_program_that_skipped_all_of_its_tests_as_skipped(self):
+        code, output = self.skipping_program("[  PASSED  ] 0 tests.")
+        self.assertEqual(code, 1, output)
+        self.assertIn("SKIPPED campaign: campaign: NOT TESTED: no SCHED_FIFO here\n", output)
+        self.assertIn("NO TEST WAS EXECUTED", output)
+        self.assertEqual(self.results("--sum", "counts"), (0, "0 passed, 0 failed, 1 skipped\n"))
+
+    def test_counts_a_program_of_which_a_test_passed_as_passed(self):
+        code, output = self.skipping_program("[       OK ] A.C (1 ms)\n[  PASSED  ] 1 test.")
+        self.assertEqual(code, 0, output)
+        self.assertEqual(self.results("--sum", "counts"), (0, "1 passed, 0 failed, 0 skipped\n"))
+
     def test_reports_the_first_failure_and_the_last_lines_of_a_test_that_failed(self):
         said = "\n".join(["a.cpp:7: Failure", "does not load", *["between"] * 40, "the end"])
         self.write("first.xml", junit([("A.B", "fail", said)]))
