@@ -5,8 +5,10 @@
 #include <sys/resource.h>
 
 #include "rt/heap_probe.h"
+#include "rt/thread/thread.h"
 #include "support/eventually.h"
 #include "support/positions.h"
+#include "support/rights.h"
 
 namespace mauve {
 namespace {
@@ -181,10 +183,12 @@ TEST(RealTimePath, CallsNoHeapWhenStatisticsAreReadAndReset) {
 }
 
 TEST(RealTimePath, TakesNoPageFaultOnceItRuns) {
+  if (!rt::may_use_fifo(99)) GTEST_SKIP() << "SKIPPED: no right to SCHED_FIFO";
+  if (!test::may_lock_memory()) GTEST_SKIP() << test::kMemoryNotLocked;
   Watching architecture;
   Deployer deployer(architecture);
   ASSERT_TRUE(deployer.deploy());
-  if (!deployer.realtime()) GTEST_SKIP() << "memory cannot be locked without privileges";
+  ASSERT_TRUE(deployer.realtime());
   const int jobs = watch().jobs;
   ASSERT_TRUE(eventually([&] { return watch().jobs > jobs + 50; }));
   watch().faults = 0;

@@ -41,11 +41,13 @@ done
 
 # Users and directories: parsed for real, below a root of their own.
 mkdir -p "$work/root/etc"
-if command -v systemd-sysusers >/dev/null; then
-  systemd-sysusers --root="$work/root" "$1/systemd/mauved.sysusers" >"$work/out" 2>&1 ||
-    { cat "$work/out" >&2; exit 1; }
-  grep -q '^mauve:' "$work/root/etc/passwd"
-  grep -q '^mauve-view:' "$work/root/etc/group"
-  grep -q '^mauve-admin:' "$work/root/etc/group"
+if ! command -v systemd-sysusers >/dev/null; then
+  echo "SKIPPED: systemd-sysusers is not installed, so the users were NOT checked; the units are understood" >&2
+  exit 77
 fi
+systemd-sysusers --root="$work/root" "$1/systemd/mauved.sysusers" >"$work/out" 2>&1 ||
+  { cat "$work/out" >&2; exit 1; }
+grep -q '^mauve:' "$work/root/etc/passwd"
+grep -q '^mauve-view:' "$work/root/etc/group"
+grep -q '^mauve-admin:' "$work/root/etc/group"
 echo "the units are understood"

@@ -11,6 +11,8 @@
 namespace mauve::rt {
 namespace {
 
+constexpr const char* kNotTied = "NOT TESTED: ticks are not tied where the clock is not the TSC";
+
 void until(Instant instant) {
   while (MonotonicClock().now() < instant) std::this_thread::sleep_for(1ms);
 }
@@ -32,11 +34,13 @@ TEST(Ticks, AreTheClockBeforeTheyAreTiedAndAfterwards) {
   tie_ticks();
 
   EXPECT_LT(distance(), 1'000'000) << (ticks_are_tied() ? "tied" : "not tied on this machine");
+  if (!ticks_are_tied() && !HasFailure()) GTEST_SKIP() << kNotTied;
 }
 
 TEST(Ticks, StayWithTheClockWhileTheyAreTiedAnew) {
   std::atomic<bool> done{false};
   std::atomic<Instant> farthest{0};
+  std::atomic<int> looks{0};
   std::thread reader([&] {
     while (!done) {
       const Instant before = MonotonicClock().now();
@@ -44,6 +48,7 @@ TEST(Ticks, StayWithTheClockWhileTheyAreTiedAnew) {
       const Instant after = MonotonicClock().now();
       const Instant far = std::max(before - fast, fast - after);
       if (far > farthest) farthest = far;
+      ++looks;
     }
   });
   const Instant end = MonotonicClock().now() + 1'300'000'000;
@@ -54,7 +59,9 @@ TEST(Ticks, StayWithTheClockWhileTheyAreTiedAnew) {
   done = true;
   reader.join();
 
+  EXPECT_GT(looks, 0);
   EXPECT_LT(farthest, 1'000'000);
+  if (!ticks_are_tied() && !HasFailure()) GTEST_SKIP() << kNotTied;
 }
 
 }  // namespace
