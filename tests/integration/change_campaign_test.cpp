@@ -172,6 +172,8 @@ class Witness {
     thread_.join();
     std::this_thread::sleep_for(std::chrono::seconds(1));  // what is newer is not looked at
     look();
+    EXPECT_GT(slices_, 0) << "no part of the trace was read";
+    EXPECT_GT(releases_.releases(), 0U);
     EXPECT_EQ(releases_.gaps(), 0) << "slices that do not meet";
   }
   void report() const {
@@ -293,8 +295,14 @@ class ChangeCampaign : public testing::Test {
     oracle.finish();
     witness.finish();
     witness.report();
+    int applied = 0;
     for (const auto& [outcome, count] : log.outcomes()) {
       std::printf("%6d %s\n", count, outcome.c_str());
+      if (outcome.ends_with(" applied")) applied += count;
+    }
+    EXPECT_GT(applied, 0) << "no change was in force";
+    if (changes_ >= kProgress) {
+      EXPECT_GT(waiting.looks(), 0) << "no generation that waits for a person was looked at";
     }
     expect_it_serves(daemon, system);
     if (witness.disturbed_throughout() && !HasFailure()) {
@@ -339,7 +347,8 @@ class ChangeCampaign : public testing::Test {
     Json all = Json::array();
     for (const auto& [name, component] : system.file["components"].items()) all.push_back(name);
     static_cast<void>(daemon.ask("component.start", {{"components", all}}));
-    const auto status = daemon.ask("status.get");
+    auto status = daemon.ask("status.get");
+    ASSERT_EQ(status["components"].size(), all.size()) << status;
     for (const auto& row : status["components"]) {
       EXPECT_EQ(row["state"], "running") << row;
     }

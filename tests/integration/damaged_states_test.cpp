@@ -39,8 +39,7 @@ class DamagedStates : public Generations {
     }
     const Json late = {{"values", {{"first.core.gain", 6.0}}}, {"confirm_within", "600s"}};
     ASSERT_EQ(daemon.ask("param.set", late)["generation"], kNewest);
-    static_cast<void>(eventually([&] { return !daemon.ask("trace.list")["items"].empty(); },
-                                 std::chrono::seconds(5)));
+    ASSERT_TRUE(eventually([&] { return !daemon.ask("trace.list")["items"].empty(); }));
     crash(daemon);
     for (std::uint64_t number = 1; number <= kNewest; ++number) {
       const auto text = TempDir::read(file(std::to_string(number)));
@@ -112,6 +111,7 @@ class DamagedStates : public Generations {
   void expect_honesty(TrialDaemon& daemon, const std::string& damage) {
     const Json released = daemon.ask("quarantine.release", {{"core", "trial/throwing_job"}});
     const bool free = released.value("saved", false);
+    freed_ += free ? 1 : 0;
     const auto before = exported(daemon);
     const auto set = daemon.ask("param.set", gain(8.0));
     ASSERT_TRUE(set.contains("saved")) << set << damage;
@@ -135,10 +135,12 @@ class DamagedStates : public Generations {
   std::map<std::uint64_t, Sound> sound_;
   Json in_the_file_;
   int saved_ = 0;
+  int freed_ = 0;
 };
 
 TEST_F(DamagedStates, AreStartedWithTheNewestGenerationThatIsWhole) {
-  const auto count = number_in("MAUVE_DAMAGED_STATES", 8);
+  constexpr std::uint64_t kShortForm = 8;
+  const auto count = number_in("MAUVE_DAMAGED_STATES", kShortForm);
   std::printf("seed %lu, %lu directories\n", seed_, count);
   TrialDaemon daemon(kTrial, options());
   make_sound(daemon);
@@ -158,7 +160,11 @@ TEST_F(DamagedStates, AreStartedWithTheNewestGenerationThatIsWhole) {
     if (i % 20 == 0) std::printf("%lu directories\n", i);
     std::fflush(stdout);
   }
-  std::printf("the next change was saved in %d of %lu\n", saved_, count);
+  std::printf("the next change was saved in %d of %lu, the release of a core in %d\n", saved_,
+              count, freed_);
+  if (count < kShortForm || HasFailure()) return;  // of a few, all may be too damaged
+  EXPECT_GT(saved_, 0);
+  EXPECT_GT(freed_, 0);
 }
 
 }  // namespace

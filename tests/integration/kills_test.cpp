@@ -78,6 +78,7 @@ class Kills : public Generations {
 
 TEST_F(Kills, RightAfterAnAnswerLoseNothingAndStartNothingElse) {
   constexpr std::uint64_t kOfOneRobot = 100;
+  constexpr std::uint64_t kCampaign = 500;  // kills, after which each method was accepted
   const auto kills = number_in("MAUVE_KILLS", 6);
   std::printf("seed %lu, %lu kills\n", seed_, kills);
   auto words = options();
@@ -95,6 +96,14 @@ TEST_F(Kills, RightAfterAnAnswerLoseNothingAndStartNothingElse) {
     daemon.start();
   }
   for (const auto& [method, count] : applied_) std::printf("%6d %s\n", count, method.c_str());
+  EXPECT_FALSE(applied_.empty()) << "nothing that mauved accepted was followed by a kill";
+  if (kills < kCampaign) return;
+  for (const auto* method :
+       {"architecture.apply", "change.confirm", "change.undo", "component.start", "component.stop",
+        "config.rollback", "core.swap", "lock.set", "log.set_level", "param.set", "plugin.reload",
+        "quarantine.release"}) {
+    EXPECT_GT(applied_[method], 0) << method;
+  }
 }
 
 }  // namespace

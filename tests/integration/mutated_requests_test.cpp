@@ -320,6 +320,7 @@ class MutatedRequests : public testing::Test {
         flood.sent.load(), flood.answers.load(), flood.late.load(), flood.closed.load(), applied,
         stops.took.size(), stops.time(0.5), stops.time(0.99), stops.time(1));
     EXPECT_EQ(flood.silent, 0U) << "clients without an answer, or without their role";
+    EXPECT_GT(flood.answers, flood.sent / 4) << "more are answered than the pings";
     EXPECT_GT(applied, 0);
     EXPECT_FALSE(stops.took.empty());
     EXPECT_EQ(stops.others, 0) << stops.refusal;
@@ -343,6 +344,7 @@ TEST_F(MutatedRequests, LeaveNothingBehindAndCostNoRelease) {
   std::filesystem::permissions(daemon.socket(), static_cast<perms>(0666));
   const pid_t process = daemon.process().id();
   const auto descriptors = entries(process, "fd");
+  ASSERT_GT(descriptors, 0U);
   const auto threads = entries(process, "task");
   Flood flood;
   flood.socket = daemon.socket();
@@ -363,11 +365,15 @@ TEST_F(MutatedRequests, LeaveNothingBehindAndCostNoRelease) {
   EXPECT_TRUE(eventually([&] {
     static_cast<void>(daemon.ask("component.start", {{"all", true}}));
     status = daemon.ask("status.get");
-    return std::ranges::all_of(status["components"],
-                               [](const Json& row) { return row["state"] == "running"; });
+    const Json& rows = status["components"];
+    return rows.size() == sound_file()["components"].size() &&
+           std::ranges::all_of(rows, [](const Json& row) { return row["state"] == "running"; });
   })) << status;
   daemon.process().signal(SIGTERM);
   EXPECT_EQ(daemon.process().wait(), 0) << daemon.errors();
+  if (!realtime_ && !support::kSanitized && !HasFailure()) {
+    GTEST_SKIP() << "SKIPPED the releases: no SCHED_FIFO here, so nothing looked at them";
+  }
 }
 
 }  // namespace

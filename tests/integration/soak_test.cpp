@@ -129,6 +129,7 @@ class Soak : public testing::Test {
         operations_.load(), applied_, refused_, early.bytes / 1024, late.bytes / 1024,
         early.descriptors, late.descriptors, early.threads, late.threads, between,
         late.changes - early.changes);
+    ASSERT_GT(early.descriptors, 0);
     const bool warm = seconds_ >= kWarm;
     constexpr std::int64_t kCold = 64 << 20;  ///< a heap that still grows to its size
     const auto bytes = warm ? 50 * between : kCold;

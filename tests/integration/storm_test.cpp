@@ -87,6 +87,10 @@ class Storm : public Generations {
     }
     std::printf("%7lu looks at a component under a stop\n%7d violations, seed %lu, %lu s\n",
                 oracle_.stood(), oracle_.violations(), seed_, seconds_);
+    constexpr std::uint64_t kCampaign = 300;
+    EXPECT_GT(counts_.sum("ends by "), 0);
+    EXPECT_GT(counts_.sum(" applied"), 0);
+    EXPECT_TRUE(seconds_ < kCampaign || oracle_.stood() > 0) << "no stop was looked at";
   }
 
   const std::uint64_t seed_ = number_in("MAUVE_SEED", 1);

@@ -65,6 +65,15 @@ class StormCounts {
     const std::lock_guard lock(mutex_);
     ++counts_[what];
   }
+  /// The sum of all whose names contain this.
+  [[nodiscard]] int sum(const std::string& part) const {
+    const std::lock_guard lock(mutex_);
+    int all = 0;
+    for (const auto& [what, count] : counts_) {
+      if (what.find(part) != std::string::npos) all += count;
+    }
+    return all;
+  }
   void print() const {
     const std::lock_guard lock(mutex_);
     for (const auto& [what, count] : counts_) std::printf("%7d %s\n", count, what.c_str());
