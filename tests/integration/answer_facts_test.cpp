@@ -160,6 +160,7 @@ TEST(Show, OfACoreHasItsTypeItsStateAndItsProperties) {
   EXPECT_EQ(core["type"], daemon.component("first")["core"]);
   EXPECT_EQ(core["core_state"]["bytes"], 8) << core;
   EXPECT_EQ(core["core_state"], daemon.ask("object.get", {{"address", "first"}})["core_state"]);
+  ASSERT_TRUE(core.contains("properties") && !core["properties"].empty()) << core;
   for (const auto& property : core["properties"]) {
     EXPECT_EQ(property["name"].get<std::string>().substr(0, 5), "core.") << property;
   }

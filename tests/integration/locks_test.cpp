@@ -142,6 +142,7 @@ TEST(LocksAndRules, HoldARuleByTheDifferencesOfItsSteps) {
   const auto answer = daemon.ask("lock.set", {{"lock", "params"}});
   ASSERT_EQ(answer["held_rules"].size(), 1U) << answer;
   const auto rules = daemon.ask("rules.list")["items"];
+  ASSERT_EQ(rules.size(), 6U) << rules;
   for (const auto& rule : rules) {
     const bool named = rule["name"] == answer["held_rules"].front();
     EXPECT_EQ(rule["held"], named ? "params are locked" : "") << rule;

@@ -265,9 +265,17 @@ TEST_F(Ros, EndsInOrderAndLeavesNoTopicBehind) {
   daemon_->process().signal(SIGTERM);
   EXPECT_EQ(daemon_->process().wait(), 0) << daemon_->errors();
 
-  Process list({kTopic, "list"});
-  (void)eventually([&] { return !list.running(); }, kLong);
-  EXPECT_EQ(list.all_output().find("goal"), std::string::npos);
+  const auto tool = publish("/of_another", 1.0, 0.0);
+  std::string topics;
+  EXPECT_TRUE(eventually(
+      [&] {
+        Process list({kTopic, "list"});
+        topics = list.all_output();
+        return list.wait() == 0 && topics.find("/of_another") != std::string::npos;
+      },
+      kLong))
+      << topics;
+  EXPECT_EQ(topics.find("goal"), std::string::npos) << topics;
 }
 
 TEST_F(Ros, KeepsRoscppFromTalkingIntoTheDaemonsOutput) {

@@ -92,6 +92,7 @@ TEST_F(Generations, OfTwoSwapsInPlaceAreNotConfirmedByTheEndOfOne) {
   const auto looked = daemon.ask("status.get")["uptime_s"].get<double>() + 0.2;
   ASSERT_TRUE(eventually([&] { return daemon.ask("status.get")["uptime_s"] > looked; }));
   const auto history = daemon.ask("config.history");
+  ASSERT_TRUE(history.contains("items") && !history["items"].empty()) << history;
   for (const auto& one : history["items"]) {
     EXPECT_EQ(one["mark"] == "confirmed", one["generation"] == 1) << one;
   }

@@ -95,6 +95,7 @@ class Test:
             own.shell(f"getent group {name}")
         equal(own.shell("getent passwd mauve | cut -d: -f6"), "/var/lib/mauve", "the home of the user mauve")
         equal(own.shell("systemctl is-enabled mauved"), "enabled", "the service is")
+        own.shell("command -v systemd-analyze")
         complaints = own.shell("systemd-analyze verify mauved.service mauve-guardian.service 2>&1 | grep -i mauve || true")
         equal(complaints, "", "complaints of systemd-analyze verify")
         own.shell("man --where mauved mauve-guardian mauvectl mauve-stamp mauve-architecture mauve-protocol")
@@ -119,6 +120,7 @@ class Test:
         own.shell(f"rm -rf {DROP_INS}; systemctl daemon-reload\n{WITHOUT_REAL_TIME}")
         own.shell("systemctl restart mauved && mauvectl --wait 20s status")
         equal(own.shell("systemctl show --property DropInPaths --value mauved"), "", "drop-ins of the unit")
+        own.shell('grep -F .service "$(dpkg-query --control-path mauve md5sums)"')  # these are verified
         equal(own.shell("dpkg --verify mauve | grep -F .service || true"), "", "unit files that are not as shipped")
         four = users.Users(own)
         wrong = list(four.wrong())

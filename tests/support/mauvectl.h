@@ -2,9 +2,11 @@
 /// mauvectl as a process of a test. MAUVE_BIN_DIR is defined by the CMakeLists.txt of the test.
 #pragma once
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -27,13 +29,16 @@ struct Said {
   return all;
 }
 
-/// Runs it; its standard error goes to `errors`, or to nowhere.
+/// Runs it; its standard error goes to the end of `errors`, or to nowhere.
 inline Said mauvectl(const std::string& socket, const std::vector<std::string>& words,
                      const std::string& errors = "/dev/null") {
+  std::error_code no_file;
+  const auto size = std::filesystem::file_size(errors, no_file);
   Process client(mauvectl_words(socket, words), errors);
   std::string out = client.all_output();
   const int exit = client.wait();
   std::ifstream file(errors);
+  if (!no_file) file.seekg(static_cast<std::streamoff>(size));
   return {exit, std::move(out), {std::istreambuf_iterator<char>(file), {}}};
 }
 

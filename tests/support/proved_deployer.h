@@ -26,6 +26,7 @@ class ProvedDeployer : public Deployer {
     set_trace_mode(TraceMode::jobs);
   }
   ~ProvedDeployer() {
+    EXPECT_FALSE(ran_ >= std::chrono::seconds(1) && recording_.records.empty()) << "no record";
     if (recording_.records.empty()) return;
     collect();
     set_trace_mode(TraceMode::off);
@@ -37,6 +38,7 @@ class ProvedDeployer : public Deployer {
   /// As Deployer::run_for(), in pieces that the ring of a thread holds.
   void run_for(Duration duration) {
     constexpr Duration kPiece = std::chrono::milliseconds(200);
+    ran_ += duration;
     do {
       Deployer::run_for(std::min(duration, kPiece));
       collect();
@@ -65,6 +67,7 @@ class ProvedDeployer : public Deployer {
   }
 
   daemon::Recording recording_;
+  Duration ran_{0};
 };
 
 }  // namespace mauve::test

@@ -58,6 +58,7 @@ TEST(Transition, BeginsAnewWhenNoStateHasTheName) {
 TEST(Transition, ChargesTheChangeToTheFirstJobOnly) {
   const Graph both = transition(loop("pace", 10ms, 1ms), loop("pace", 10ms, 2ms), 5us);
 
+  ASSERT_FALSE(both.vertices.empty());
   for (const Vertex& vertex : both.vertices) {
     switch (vertex.part) {
       case Part::first_after:
@@ -78,6 +79,7 @@ TEST(Transition, ChargesTheChangeToTheFirstJobOnly) {
 TEST(Transition, NeverComesBackToTheNewVersionAfterARollback) {
   const Graph both = transition(loop("pace", 10ms, 1ms), loop("pace", 10ms, 2ms), 5us);
 
+  ASSERT_FALSE(both.edges.empty());
   for (const Edge& edge : both.edges) {
     EXPECT_LE(both.vertices[edge.from].part, both.vertices[edge.to].part);
   }

@@ -53,12 +53,18 @@ TEST_F(Diff, LetsWhatIsNewJoinUnconnected) {
 TEST_F(Diff, LeavesNothingOfTheFileConnected) {
   const Difference difference = to_with("\"core.gain\": 0.5", "\"core.gain\": 0.75");
 
+  std::size_t of_components = 0;
+  std::size_t of_resources = 0;
   for (const ComponentBase* component : wanted_->components()) {
+    of_components += component->bundle()->bindings->size();
     for (const auto& binding : *component->bundle()->bindings) EXPECT_EQ(binding, nullptr);
   }
   for (const ResourceBase* resource : wanted_->resources()) {
+    of_resources += resource->bindings().size();
     for (const auto& binding : resource->bindings()) EXPECT_EQ(binding, nullptr);
   }
+  EXPECT_GT(of_components, 0U);
+  EXPECT_GT(of_resources, 0U);
 }
 
 TEST_F(Diff, RemovesWhatTheFileDoesNotNameAndDisconnectsItsUsers) {

@@ -62,6 +62,7 @@ TEST(Chrome, SlicesOfAThreadLieWithinEachOther) {
     if (one.value("cat", "") != "job") continue;
     jobs[one["tid"]].emplace_back(one["ts"], one["ts"].get<double>() + one["dur"].get<double>());
   }
+  ASSERT_GT(count_of(file, "cat", "state"), 0U);
   for (const Json& one : file["traceEvents"]) {
     if (one.value("cat", "") != "state") continue;
     const double from = one["ts"];

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <string>
+
 #include "support/notify_socket.h"
 
 namespace mauve::daemon {
@@ -44,9 +47,15 @@ TEST(Notify, ARefusedStartOfAServicePointsToItsLog) {
 }
 
 TEST(Notify, DoesNothingWithoutAServiceManager) {
+  const NotifySocket manager;
+  const std::string path = getenv("NOTIFY_SOCKET");
   unsetenv("NOTIFY_SOCKET");
 
   notify::ready("nobody hears this");
+
+  setenv("NOTIFY_SOCKET", path.c_str(), 1);
+  notify::ready("heard");
+  EXPECT_EQ(manager.next(), "READY=1\nSTATUS=heard");
 }
 
 }  // namespace

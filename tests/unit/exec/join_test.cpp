@@ -159,7 +159,9 @@ TEST_F(Joining, ATraceShowsTheNumberOfTheChangeThatEachMemberAppliedLast) {
   const auto applied = test::of_kind(test::drain_trace(deployer), TraceKind::applied);
   set_trace_mode(mode_before);
 
-  for (const TracedComponent& one : deployer.traced().components) {
+  const auto components = deployer.traced().components;
+  ASSERT_EQ(components.size(), 2U);
+  for (const TracedComponent& one : components) {
     std::int64_t last = 0;
     for (const TraceRecord& record : applied) {
       if (trace_name(record.thread) == one.name) last = record.b;

@@ -2,6 +2,8 @@
 /// Where components run whose tasks name no CPU: admission must think the same as deployment.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "rt/thread/thread.h"
 
 #include <mauve/host/architecture.h>
@@ -155,11 +157,9 @@ TEST(Placement, CountsAHoldThatWasNotMeasuredAsAWholeJob) {
 
   const Timing timing = deployer.analyze();
 
-  for (const ComponentTiming& one : timing.components) {
-    if (one.name == "second") {
-      EXPECT_GE(one.blocking, 1ms) << "the budget of first, which may hold the table so long";
-    }
-  }
+  const auto joined = std::ranges::find(timing.components, "second", &ComponentTiming::name);
+  ASSERT_NE(joined, timing.components.end());
+  EXPECT_GE(joined->blocking, 1ms) << "the budget of first, which may hold the table so long";
   EXPECT_FALSE(timing.notes.empty());
 }
 

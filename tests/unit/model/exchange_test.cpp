@@ -251,17 +251,19 @@ TEST_F(Look, KnowsTheAgeOfWhatItShows) {
   EXPECT_TRUE(writer_.write(1.0));  // at 1
   this_job().start = 11;
 
-  in_.look([this](double) { EXPECT_EQ(in_.age(), 10ns); });
+  const auto shown = in_.look([this](double) { EXPECT_EQ(in_.age(), 10ns); });
 
   this_job().start = 0;
+  EXPECT_EQ(shown, DataStatus::new_data);
 }
 
 TEST_F(Look, MayReadOnWhileItShows) {
   EXPECT_TRUE(writer_.write(1.0));
-  in_.look([this](double) {
+  const auto shown = in_.look([this](double) {
     EXPECT_TRUE(writer_.write(2.0));
     EXPECT_EQ(in_.read(), 2.0);
   });
+  EXPECT_EQ(shown, DataStatus::new_data);
   EXPECT_TRUE(writer_.write(3.0));
   EXPECT_EQ(in_.read(), 3.0);
   EXPECT_EQ(in_.read(), 3.0);

@@ -8,7 +8,10 @@
 #include <cstring>
 #include <random>
 #include <thread>
+#include <utility>
 #include <vector>
+
+#include "support/eventually.h"
 
 #include <mauve/detail/latest_value.h>
 
@@ -51,11 +54,14 @@ TEST_P(LatestValueRead, NeverShowsATornOrAnOlderValueOfEitherWriter) {
   std::atomic<bool> done{false};
   std::vector<std::thread> threads;
   std::atomic<int> faults{0};
+  std::atomic<int> readers{0};  // that have read a value
   for (int i = 0; i < GetParam(); ++i) {
     threads.emplace_back([&, cursor = Cursor{exchange.attach()}]() mutable {
       std::array<std::uint64_t, 2> last{};  // odd and even numbers come from two writers
+      bool reads = false;
       while (!done) {
         if (exchange.seek(cursor) == DataStatus::no_data) continue;
+        if (!std::exchange(reads, true)) ++readers;
         const std::uint64_t number = number_of(cursor.data);
         faults += number == 0 || number < last[number % 2] ? 1 : 0;
         last[number % 2] = number;
@@ -65,6 +71,7 @@ TEST_P(LatestValueRead, NeverShowsATornOrAnOlderValueOfEitherWriter) {
   threads.emplace_back([&] {
     for (std::uint64_t n = 2; !done; n += 2) write_in_turn(exchange, numbered(n));
   });
+  EXPECT_TRUE(test::eventually([&] { return readers == GetParam(); }));
   for (std::uint64_t n = 1; n < 100'000; n += 2) {
     write_somehow(exchange, n);
   }

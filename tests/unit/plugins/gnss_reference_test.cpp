@@ -184,6 +184,7 @@ TEST(GnssReference, MoreReceiversAreAsGpsdReadsThem) {
 TEST(GnssReference, ALineThatDamagesLittleLosesNothingElse) {
   const auto folder = support::test_data("nmea");
   if (!folder) GTEST_SKIP() << support::kNoTestData;
+  ASSERT_FALSE(logs(*folder).empty());
 
   for (const auto& path : logs(*folder)) {
     SCOPED_TRACE(path.filename());

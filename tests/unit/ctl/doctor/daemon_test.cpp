@@ -25,6 +25,12 @@ TEST_F(DoctorOfMauved, FindsNothingWhereAllIsWell) {
     const auto finding = check.look(facts);
     EXPECT_NE(finding.grade, Grade::fail) << check.name << ": " << finding.found;
   }
+  for (const auto look : {check_daemon, check_versions, check_priority_of_daemon,
+                          check_locking_of_daemon, check_policy, check_guard, check_locked,
+                          check_plugins, check_trust, check_state, check_space}) {
+    const auto finding = look(facts);
+    EXPECT_EQ(finding.grade, Grade::ok) << finding.found;
+  }
 }
 
 TEST_F(DoctorOfMauved, WorksWithoutOne) {
