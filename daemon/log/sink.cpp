@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "log/sink.h"
 
+#include <fcntl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -37,9 +38,18 @@ bool stderr_has_colours() {
          std::string_view(terminal) != "dumb" && std::getenv("NO_COLOR") == nullptr;
 }
 
+/// A caller may close it, as for a program whose log is a file: that is no failure.
+bool stderr_takes_text() {
+  const int flags = fcntl(STDERR_FILENO, F_GETFL);
+  return flags >= 0 && (flags & O_ACCMODE) != O_RDONLY;
+}
+
 class TerminalSink final : public Sink {
  public:
   Status write(const Record& record) override {
+    if (!open_) {
+      return ok();
+    }
     const auto word = fmt::format("{:<7}", to_string(record.level));
     const auto level = coloured_ ? fmt::format("{}{}\033[m", colour_of(record.level), word) : word;
     // Texts of clients and cores are among it: none of them may forge a line or colour the
@@ -52,6 +62,7 @@ class TerminalSink final : public Sink {
   }
 
  private:
+  const bool open_ = stderr_takes_text();
   const bool coloured_ = stderr_has_colours();
   bool torn_ = false;
 };
