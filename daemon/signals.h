@@ -34,8 +34,8 @@ class Signals {
 };
 
 /// Ends the process where it does not end by itself. That is so when a signal comes while it starts
-/// and a hook hangs, when the orderly end takes too long, and when a second signal comes. One thread
-/// does both, and is there before any component runs: an end needs no thread more.
+/// and a hook hangs, when the orderly end takes too long, and when a second signal comes. One
+/// thread does both, and is there before any component runs: an end needs no thread more.
 class Reaper {
  public:
   /// [main] The start begins. `crash_handler` is called before the process is ended with exit code

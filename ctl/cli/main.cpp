@@ -46,12 +46,14 @@ int refuse_use(const Misuse& misuse) {
 }
 
 /// A file of which a part is missing must not look like a whole one.
-int refuse_output(const std::string& reason) {
+int refuse_output(int reason) {
   std::cout.exceptions(std::ios::goodbit);
-  std::cerr
-      << "error: the output of mauvectl cannot be written: " << reason
-      << "\n  state  : mauved carries out what it was asked for all the same\n"
-         "  hint   : open standard output, and free the disk that it leads to; then ask again\n";
+  std::cerr << "error: the output of mauvectl cannot be written: " << std::strerror(reason)
+            << "\n  state  : mauved carries out what it was asked for all the same\n"
+            << (reason == EPIPE
+                    ? "  hint   : its reader has ended; ask again with another one\n"
+                    : "  hint   : open standard output, and free the disk that it leads to; "
+                      "then ask again\n");
   return 1;
 }
 
@@ -89,7 +91,7 @@ int main(int count, char** words) {
     std::cout.flush();
     return exit;
   } catch (const std::ios::failure&) {
-    return refuse_output(std::strerror(errno));
+    return refuse_output(errno);
   } catch (const std::exception& error) {
     std::cerr << "error: mauvectl failed: " << error.what() << '\n';
     return 1;

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "cli/session.h"
 
+#include <poll.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <csignal>
 #include <iostream>
 #include <iterator>
 #include <thread>
@@ -56,6 +61,14 @@ Fault changes_nothing(std::string_view command) {
 }
 
 }  // namespace
+
+void Session::end_without_a_reader() {
+  pollfd output{STDOUT_FILENO, 0, 0};
+  if (poll(&output, 1, 0) <= 0 || (output.revents & (POLLERR | POLLHUP)) == 0) return;
+  raise(SIGPIPE);
+  errno = EPIPE;  // the signal is ignored: an error, as that of a write
+  std::cout.setstate(std::ios::badbit);
+}
 
 std::optional<std::chrono::nanoseconds> timeout_of(std::string_view text) {
   const auto parsed = parse_duration(text);

@@ -31,6 +31,9 @@ class Session {
   [[nodiscard]] std::variant<Notification, Fault> next(Deadline deadline = Deadline::max()) {
     return client_.next(deadline);
   }
+  /// For a command that goes on until Ctrl-C: ends it as a write would when the reader of its
+  /// output is gone. A value may not come for hours.
+  static void end_without_a_reader();
 
   /// Prints one line of JSON, or the text. Flushed, so that a pipe sees it at once.
   void print(const Json& value, std::string_view text);

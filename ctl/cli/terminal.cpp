@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdlib>
 #include <string_view>
 
 namespace mauve::ctl {
@@ -71,7 +72,11 @@ timespec time_until(Terminal::Deadline deadline) {
 
 }  // namespace
 
-bool Terminal::is_there() { return isatty(STDIN_FILENO) == 1 && isatty(STDOUT_FILENO) == 1; }
+bool Terminal::is_there() {
+  const char* const kind = std::getenv("TERM");
+  const bool obeys = kind != nullptr && *kind != '\0' && std::string_view(kind) != "dumb";
+  return obeys && isatty(STDIN_FILENO) == 1 && isatty(STDOUT_FILENO) == 1;
+}
 
 Terminal::Terminal() {
   tcgetattr(STDIN_FILENO, &g_before);

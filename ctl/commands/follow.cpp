@@ -11,6 +11,8 @@
 namespace mauve::ctl {
 namespace {
 
+constexpr std::chrono::milliseconds kTurn{500};  ///< to notice that nobody reads any more
+
 bool is_about(const Json& params, const Json& subscription) {
   return params.is_object() && params.contains("sub") && params["sub"] == subscription;
 }
@@ -33,8 +35,12 @@ Json subscription_of(const Json& result) {
 template <typename Print>
 int follow(Session& session, const Json& subscription, std::string_view method, Print print) {
   while (true) {
-    auto arrived = session.next();
-    if (const auto* fault = std::get_if<Fault>(&arrived)) return session.fail(*fault);
+    Session::end_without_a_reader();
+    auto arrived = session.next(std::chrono::steady_clock::now() + kTurn);
+    if (const auto* fault = std::get_if<Fault>(&arrived)) {
+      if (fault->name == "timed_out") continue;
+      return session.fail(*fault);
+    }
     auto& notification = std::get<Notification>(arrived);
     const std::string& arrived_as = notification.method;
     if (arrived_as != method && arrived_as != "dropped" && arrived_as != "replaced") continue;

@@ -68,6 +68,7 @@ struct Dropped {
 std::optional<Fault> go_on(Session& session, const Json& sub, Dropped& dropped) {
   const Interrupt interrupt;
   while (!interrupt.came()) {
+    Session::end_without_a_reader();
     auto arrived = session.next(std::chrono::steady_clock::now() + 100ms);
     if (auto* fault = std::get_if<Fault>(&arrived)) {
       if (fault->name == "timed_out") continue;

@@ -81,6 +81,7 @@ std::optional<Fault> follow(Session& session, const std::vector<std::string>& ad
   const Interrupt interrupt;
   const auto end = std::chrono::steady_clock::now() + length;
   while (!interrupt.came() && std::chrono::steady_clock::now() < end) {
+    if (!session.arguments.has("-o,--output")) Session::end_without_a_reader();
     const auto arrived = session.next(std::min(end, std::chrono::steady_clock::now() + 100ms));
     if (const auto* fault = std::get_if<Fault>(&arrived)) {
       if (fault->name == "timed_out") continue;

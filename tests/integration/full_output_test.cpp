@@ -78,5 +78,19 @@ TEST(FullOutput, SaysThatAChangeIsInForceAllTheSame) {
   EXPECT_EQ(daemon.value("first.core.gain"), 3.0);
 }
 
+/// Where SIGPIPE is ignored, as systemd starts services, nothing else would end it: the port is
+/// silent.
+TEST(FullOutput, EndsAFollowerWhoseReaderIsGone) {
+  TrialDaemon daemon;
+  const std::string ctl = MAUVE_BIN_DIR "/mauvectl --socket " + daemon.socket().string();
+  for (const std::string follower : {"watch count.read", "logs -f", "record count.read"}) {
+    for (const std::string before : {"", "trap '' PIPE; "}) {
+      Process pipe({"/bin/bash", "-c", before + ctl + " " + follower + " | true"});
+      EXPECT_TRUE(eventually([&] { return !pipe.running(); })) << before << follower;
+    }
+  }
+  EXPECT_TRUE(eventually([&] { return daemon.ask("client.list")["items"].size() == 1U; }));
+}
+
 }  // namespace
 }  // namespace mauve::test

@@ -3,6 +3,8 @@
 
 #include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
@@ -65,8 +67,15 @@ Status seal_file(int file, const std::function<void()>& before_retry) {
 }
 
 std::string Image::path() const {
-  // With the number of the process, not "self": a debugger can then read the file too.
-  return "/proc/" + std::to_string(getpid()) + "/fd/" + std::to_string(file_.get());
+  const std::string file = "/fd/" + std::to_string(file_.get());
+  // With the number of the process, not "self": a debugger can then read the file too. In a
+  // container /proc may count processes in another way.
+  const std::string numbered = "/proc/" + std::to_string(getpid()) + file;
+  struct stat named {};
+  struct stat own {};
+  const bool same = stat(numbered.c_str(), &named) == 0 && fstat(file_.get(), &own) == 0 &&
+                    named.st_dev == own.st_dev && named.st_ino == own.st_ino;
+  return same ? numbered : "/proc/self" + file;
 }
 
 bool is_mapped(const std::string& mapping) {

@@ -38,6 +38,15 @@ Error cannot_link(std::string text, const std::string& path) {
                       readable_symbol(symbol.substr(0, symbol.find_first_of(" ,"))),
                   "link the source that defines it into the plugin");
   }
+  constexpr std::string_view kNoFile = "cannot open shared object file";
+  if (text.starts_with(kNoFile)) {  // of the plugin itself
+    return refuse({Errc::plugin_refused, "plugin_not_linked"}, {},
+                  "cannot be opened as " + path + ": " + text,
+                  "is /proc that of this process? mount one in this container");
+  }
+  if (text.find(kNoFile) == std::string::npos) {
+    return refuse({Errc::plugin_refused, "plugin_not_linked"}, {}, "cannot be linked: " + text);
+  }
   return refuse({Errc::plugin_refused, "plugin_missing_library"}, {}, "cannot be linked: " + text,
                 "install the library it needs");
 }

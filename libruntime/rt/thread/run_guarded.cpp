@@ -4,6 +4,7 @@
 #include "rt/thread/float_environment.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <csetjmp>
@@ -198,7 +199,13 @@ void install(Installed& before) {
 }  // namespace
 
 void describe(const Fault& fault, char* text, std::size_t room) {
-  const char* const name = sigabbrev_np(fault.signal);
+  const char* const abbreviation = sigabbrev_np(fault.signal);
+  std::array<char, 24> name{};
+  if (abbreviation != nullptr) {
+    std::snprintf(name.data(), name.size(), "SIG%s", abbreviation);
+  } else {  // a real-time signal
+    std::snprintf(name.data(), name.size(), "signal %d", fault.signal);
+  }
   if (fault.call != nullptr && fault.status != 0) {
     std::snprintf(text, room, "%s(%d)", fault.call, fault.status);
   } else if (fault.call != nullptr) {
@@ -207,9 +214,9 @@ void describe(const Fault& fault, char* text, std::size_t room) {
   } else if (fault.signal == 0) {
     std::snprintf(text, room, "exit()");
   } else if (fault.sent) {
-    std::snprintf(text, room, "SIG%s", name != nullptr ? name : "NAL");
+    std::snprintf(text, room, "%s", name.data());
   } else {
-    std::snprintf(text, room, "SIG%s at address 0x%lx", name != nullptr ? name : "NAL",
+    std::snprintf(text, room, "%s at address 0x%lx", name.data(),
                   static_cast<unsigned long>(fault.address));
   }
 }
