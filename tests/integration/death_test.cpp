@@ -56,7 +56,7 @@ class ADeath : public testing::Test {
   void blames_nobody() {
     DaemonProcess daemon = start();
     ASSERT_TRUE(daemon.up()) << daemon.errors();
-    EXPECT_EQ(daemon.ask({"quarantine"})["items"], Json::array());
+    EXPECT_EQ(daemon.ask({"quarantine"})["cores"], Json::array());
     const Json history = daemon.ask({"history"})["items"];
     EXPECT_FALSE(history.empty());
     for (const Json& one : history) EXPECT_NE(one.value("command", ""), "rolled_back") << one;
