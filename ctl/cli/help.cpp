@@ -22,7 +22,7 @@ constexpr std::string_view kExamples =
     "  mauvectl status\n"
     "  mauvectl watch odometry.read\n"
     "  mauvectl set control.core.speed=0.3\n"
-    "  mauvectl swap-core control guidance/potential_field\n";
+    "  mauvectl swap-core control guidance/finite_time\n";
 
 /// A name, and its text beside it; below it where the name is long or the terminal narrow.
 std::string entry(const std::string& name, std::string_view text, std::size_t width) {

@@ -60,8 +60,8 @@ Result<Json> verdict_of(const rt::ChildEnd& end, Duration within) {
                        "was tried in a process that was killed from outside, perhaps because the "
                        "machine lacked memory");
     killed.hint =
-        "nothing of it came near the running system: look for the reason with journalctl "
-        "--dmesg, then try again";
+        "nothing of it came near the running system: look for the reason with journalctl -k, "
+        "then try again";
     return killed;
   }
   if (end.how == Ended::signalled) {

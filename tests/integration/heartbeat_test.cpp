@@ -120,9 +120,9 @@ class StoppedThreads {
 };
 
 /// [control] and [io] are asked. [link] waits for the guardian, which is supervised itself, and
-/// [last] for the end of the process (docs/concepts/threads.md).
+/// [reaper] and [last] for the end of the process (docs/concepts/threads.md).
 bool has_no_pulse(const std::string& name) {
-  static const std::set<std::string> names = {"control", "io", "link", "last"};
+  static const std::set<std::string> names = {"control", "io", "link", "last", "reaper"};
   return names.contains(name);
 }
 
