@@ -66,8 +66,11 @@ class Block:
 
 
 def pages(root):
-    names = [path.relative_to(root).as_posix() for path in root.rglob("*.md")]
-    return sorted(name for name in names if not name.startswith((*PAST, "build/")) and "/build/" not in name)
+    # Not below build/, which the check of the site writes meanwhile.
+    folders = [folder for folder in root.iterdir() if folder.is_dir() and folder.name not in ("build", ".git")]
+    paths = [*root.glob("*.md"), *(path for folder in folders for path in folder.rglob("*.md"))]
+    names = [path.relative_to(root).as_posix() for path in paths]
+    return sorted(name for name in names if not name.startswith(PAST) and "/build/" not in name)
 
 
 def blocks(root):

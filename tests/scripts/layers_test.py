@@ -55,7 +55,9 @@ class Layers(unittest.TestCase):
 
     def test_refuses_a_guardian_that_uses_more_than_its_messages(self):
         self.refused({"libruntime/exec/task.h": "", "guardian/a.cpp": '#include "exec/task.h"\n'},
-                     'layer guardian may use "rt", not exec')
+                     'layer guardian may use "rt base", not exec')
+        self.refused({"libruntime/base/mutex.h": "", "guardian/a.cpp": '#include "base/mutex.h"\n'},
+                     "guardian/a.cpp:1: layer guardian may use of base only libruntime/base/standard_streams.h")
         self.refused({"libruntime/rt/time/clock.h": "", "guardian/a.cpp": '#include "rt/time/clock.h"\n'},
                      "layer guardian may use of rt only libruntime/rt/guardian/guardian_wire.h")
 
