@@ -373,8 +373,8 @@ void Daemon::leave_by_force(const std::string& cause) {
               {"text", all_stopped_ ? "after all components stopped with their safe values written"
                        : safe       ? "after the safe values were written"
                                     : "and no safe values could be written now"}});
-  remove_sockets();
   std::this_thread::sleep_for(kCrashHandlerMayTake);
+  remove_sockets();  // last: [io] would make them anew
 }
 
 /// The machine lacked descriptors, threads or memory for the threads that serve. An orderly end

@@ -67,7 +67,6 @@ class Daemon {
   const std::vector<DecidingPath> deciding_;
   std::atomic<bool> all_stopped_{false};  ///< at the end, with their safe values written
   Signals signals_{!options_.log_file.empty()};
-  std::optional<Reaper> reaper_;  ///< from the start to the end
   logging::Log log_;
   Guardian guardian_{log_};
   std::optional<server::Endpoint> endpoint_;
@@ -88,6 +87,7 @@ class Daemon {
   std::unique_ptr<Running> running_;
   std::unique_ptr<CommandTable> table_;
   std::unique_ptr<server::Server> server_;
+  std::optional<Reaper> reaper_;  ///< from the start to the end; uses all above
 };
 
 }  // namespace mauve::daemon

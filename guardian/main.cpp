@@ -56,13 +56,17 @@ int failed(const char* doing, const char* path) {
 bool is_free(const sockaddr_un& address) {
   struct stat there {};
   if (lstat(address.sun_path, &there) != 0) return errno == ENOENT;
+  if (!S_ISSOCK(there.st_mode)) {
+    errno = EEXIST;
+    return false;
+  }
   const int socket = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (socket < 0) return false;
   const int failed = connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address);
   const int why = failed == 0 || errno == EAGAIN ? EADDRINUSE : errno;
   close(socket);
   errno = why;
-  return why == ECONNREFUSED && S_ISSOCK(there.st_mode) && unlink(address.sun_path) == 0;
+  return why == ECONNREFUSED && unlink(address.sun_path) == 0;
 }
 
 /// The socket that a mauved connects to; -1: there is none, and the error is reported.

@@ -25,7 +25,9 @@ constexpr int kMostDescriptors = 4096;
 bool lock_now(int descriptor) { return ::flock(descriptor, LOCK_EX | LOCK_NB) == 0; }
 
 /// The node of a device that is no longer there.
-bool is_unplugged(int error) { return error == ENOENT || error == ENODEV || error == ENXIO; }
+bool is_unplugged(int error) {
+  return error == ENOENT || error == ENODEV || error == ENXIO || error == EIO;
+}
 
 /// A copy of the descriptor on which this process holds the lock of the device; -1: it does not.
 int copy_of_own_lock(const struct stat& device, int except) {
@@ -89,6 +91,9 @@ DeviceLock::Found DeviceLock::take(int line, const char* path, Opening opening) 
   if (::fstat(line, &device) != 0) return Found::free;
   for (int* const its : {&own_, &lock_}) {
     *its = ::open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    if (*its < 0 && errno == EACCES) {  // a line that is written only
+      *its = ::open(path, O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    }
     if (*its < 0 && !is_unplugged(errno)) return unknown();
     const bool same = *its >= 0 && ::fstat(*its, &opened) == 0 && device.st_rdev == opened.st_rdev;
     if (!same) return Found::free;  // unplugged at this moment: the line notices that

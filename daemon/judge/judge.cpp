@@ -54,16 +54,6 @@ Result<Json> verdict_of(const rt::ChildEnd& end, Duration within) {
                 "did not return within " + format_duration(within) +
                     ", so the process in which it was tried was ended");
   }
-  if (end.how == Ended::signalled && end.code == SIGKILL) {
-    // Code does not end so. The kernel takes this process first when it lacks memory.
-    auto killed = lost({Errc::system, "trial_killed"}, end.errors,
-                       "was tried in a process that was killed from outside, perhaps because the "
-                       "machine lacked memory");
-    killed.hint =
-        "nothing of it came near the running system: look for the reason with journalctl -k, "
-        "then try again";
-    return killed;
-  }
   if (end.how == Ended::signalled) {
     return lost({Errc::plugin_refused, "code_died_apart"}, end.errors,
                 "ended the process in which it was tried: " + signal_name(end.code));

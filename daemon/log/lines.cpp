@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <utility>
 
@@ -14,7 +15,16 @@ namespace mauve::logging {
 
 namespace {
 
-constexpr int kPatienceMs = 200;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kPatience{200};
+
+/// Waits for room, until this time at most.
+bool has_room(int descriptor, Clock::time_point until) {
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
+  pollfd room{descriptor, POLLOUT, 0};
+  return left.count() > 0 && poll(&room, 1, static_cast<int>(left.count())) > 0;
+}
 
 Error not_written(const std::string& target, const std::string& what, int error, std::string hint) {
   return refuse({Errc::system, "log_not_written"}, target, what + std::strerror(error),
@@ -41,12 +51,18 @@ std::string how_to_mend(int error) {
   }
 }
 
-/// Takes back what a failed write left behind it, if nobody wrote there meanwhile.
-bool take_back(int descriptor, std::size_t bytes) {
-  const off_t end = lseek(descriptor, 0, SEEK_CUR);
+/// Takes back what a failed write left behind it, unless somebody wrote there meanwhile.
+bool take_back(int descriptor, off_t before, std::size_t bytes) {
   struct stat status {};
-  return end >= 0 && fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) &&
-         status.st_size == end && ftruncate(descriptor, end - static_cast<off_t>(bytes)) == 0;
+  return before >= 0 && fstat(descriptor, &status) == 0 &&
+         status.st_size == before + static_cast<off_t>(bytes) && ftruncate(descriptor, before) == 0;
+}
+
+/// Of a regular file that is ours; -1: it is none.
+off_t size_of(int descriptor, const LineState& state) {
+  struct stat status {};
+  const bool regular = fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
+  return state.ours && regular ? status.st_size : -1;
 }
 
 /// Of a regular file that another program, or the process before, left so.
@@ -62,11 +78,13 @@ bool ends_within_a_line(int descriptor, const std::string& path) {
 
 }  // namespace
 
-Status append_line(int descriptor, const std::string& target, std::string line, bool& torn) {
+Status append_line(int descriptor, const std::string& target, std::string line, LineState& state) {
   line += '\n';
-  if (torn) {
+  if (state.torn) {
     line.insert(line.begin(), '\n');
   }
+  const off_t before = size_of(descriptor, state);
+  const auto until = Clock::now() + (state.stuck ? Clock::duration{0} : kPatience);
   std::size_t done = 0;
   while (done < line.size()) {
     const ssize_t written = write(descriptor, line.data() + done, line.size() - done);
@@ -75,16 +93,14 @@ Status append_line(int descriptor, const std::string& target, std::string line, 
       continue;
     }
     const int error = written < 0 ? errno : ENOSPC;
-    pollfd room{descriptor, POLLOUT, 0};
-    if (error == EINTR || (error == EAGAIN && poll(&room, 1, kPatienceMs) > 0)) {
+    if (error == EINTR || (error == EAGAIN && has_room(descriptor, until))) {
       continue;
     }
-    if (done > 0 && !take_back(descriptor, done)) {
-      torn = true;
-    }
+    state.stuck = true;
+    state.torn = state.torn || (done > 0 && !take_back(descriptor, before, done));
     return not_written(target, "", error, how_to_mend(error));
   }
-  torn = false;
+  state.torn = state.stuck = false;
   return ok();
 }
 
@@ -95,17 +111,23 @@ Status RotatedFile::open() {
     return not_written(path_, "cannot open the log file: ", errno, how_to_mend(errno));
   }
   file_ = std::move(file);
-  torn_ = ends_within_a_line(file_.get(), path_);
+  state_.torn = ends_within_a_line(file_.get(), path_);
   return ok();
 }
 
 Status RotatedFile::append(std::string line) {
   if (!is_at_its_path()) {
-    if (auto opened = open(); !opened) {
+    // Where it cannot be made anew, the file goes on under its new name, if it has one.
+    if (auto opened = open(); !opened && !has_a_name()) {
       return opened;
     }
   }
-  return append_line(file_.get(), path_, std::move(line), torn_);
+  return append_line(file_.get(), path_, std::move(line), state_);
+}
+
+bool RotatedFile::has_a_name() const {
+  struct stat own {};
+  return file_ && fstat(file_.get(), &own) == 0 && own.st_nlink > 0;
 }
 
 bool RotatedFile::is_at_its_path() const {

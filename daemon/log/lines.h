@@ -10,11 +10,17 @@
 
 namespace mauve::logging {
 
-/// Appends `line` and a line break. A part that a full disk took is taken back, or else stays alone
-/// on its line: then `torn` becomes true, and the next line begins with a line break. Waits 200 ms
-/// at most for a reader of a pipe. [log]
+/// The state of a destination between two lines.
+struct LineState {
+  bool torn = false;   ///< it ends with a part of a line: the next one begins with a line break
+  bool stuck = false;  ///< the last line found no room
+  bool ours = false;   ///< nobody else writes to it, so a part that a full disk took is taken back
+};
+
+/// Appends `line` and a line break. To a descriptor that does not block, it waits 200 ms for room,
+/// and not at all where the line before found none. [log]
 [[nodiscard]] Status append_line(int descriptor, const std::string& target, std::string line,
-                                 bool& torn);
+                                 LineState& state);
 
 /// A file of a log that others may rename, remove or shorten meanwhile (logrotate): the line that
 /// follows goes to the file that has the name then. [log]
@@ -28,10 +34,11 @@ class RotatedFile {
 
  private:
   [[nodiscard]] bool is_at_its_path() const;
+  [[nodiscard]] bool has_a_name() const;
 
   std::string path_;
   rt::Descriptor file_;
-  bool torn_ = false;
+  LineState state_{.ours = true};
 };
 
 }  // namespace mauve::logging

@@ -152,35 +152,47 @@ void Log::deliver(Record record) {
   }
   record.seq = ++seq_;
   history_.add(record);
-  write_to_sinks(record, nullptr);
+  write_to_sinks(record);
 }
 
-/// To all sinks but one. One that fails is reported once, and once when it takes records again.
-void Log::write_to_sinks(const Record& record, const Destination* but) {
+/// A sink that fails is reported once, and once when it takes records again: after the record,
+/// which is older, and to the sinks that work.
+void Log::write_to_sinks(const Record& record) {
+  std::vector<Record> reports;
   for (auto& sink : sinks_) {
-    if (&sink == but) {
-      continue;
+    const auto missing = sink.missing;
+    const auto written = write_to(sink, record);
+    if (!written && missing == 0) {
+      sink.target = written.error().at;
+      reports.push_back(make_record(Event::sink_failed,
+                                    {{"target", sink.target}, {"text", written.error().message}}));
+    } else if (written && missing > 0) {
+      reports.push_back(
+          make_record(Event::sink_recovered,
+                      {{"target", sink.target}, {"count", static_cast<std::int64_t>(missing)}}));
     }
-    const auto written = sink.sink->write(record);
-    if (!written) {
-      unwritten_.fetch_add(1);
-      if (++sink.missing == 1) {
-        sink.target = written.error().at;
-        report(Event::sink_failed, sink, {{"text", written.error().message}});
+  }
+  for (auto& report : reports) {
+    report.seq = ++seq_;
+    history_.add(report);
+    for (auto& sink : sinks_) {
+      if (sink.missing == 0) {
+        static_cast<void>(write_to(sink, report));
       }
-    } else if (const auto missing = std::exchange(sink.missing, 0); missing > 0) {
-      report(Event::sink_recovered, sink, {{"count", static_cast<std::int64_t>(missing)}});
     }
   }
 }
 
-/// About a sink: in the history, and in the sinks that work.
-void Log::report(Event event, const Destination& about, Fields fields) {
-  fields.push_back({"target", about.target});
-  auto record = make_record(event, std::move(fields));
-  record.seq = ++seq_;
-  history_.add(record);
-  write_to_sinks(record, event == Event::sink_failed ? &about : nullptr);
+/// Counts what the sink does not take.
+Status Log::write_to(Destination& sink, const Record& record) {
+  auto written = sink.sink->write(record);
+  if (written) {
+    sink.missing = 0;
+  } else {
+    unwritten_.fetch_add(1);
+    ++sink.missing;
+  }
+  return written;
 }
 
 }  // namespace mauve::logging

@@ -80,8 +80,8 @@ class Log {
   void deliver(Record record);
   void look_at_levels(std::vector<Record>& batch);
   [[nodiscard]] bool passes(const Record& record) const;
-  void write_to_sinks(const Record& record, const Destination* but);
-  void report(Event event, const Destination& about, Fields fields);
+  void write_to_sinks(const Record& record);
+  Status write_to(Destination& sink, const Record& record);
 
   Levels levels_;
   History history_;

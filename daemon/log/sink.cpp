@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <string>
@@ -58,13 +59,13 @@ class TerminalSink final : public Sink {
         printable(record.component.empty() ? record.text : record.component + ": " + record.text);
     return append_line(
         STDERR_FILENO, "standard error",
-        fmt::format("{}Z {} {}", utc(record.time).substr(0, kMilliseconds), level, text), torn_);
+        fmt::format("{}Z {} {}", utc(record.time).substr(0, kMilliseconds), level, text), state_);
   }
 
  private:
   const bool open_ = stderr_takes_text();
   const bool coloured_ = stderr_has_colours();
-  bool torn_ = false;
+  LineState state_;
 };
 
 class FileSink final : public Sink {
@@ -92,8 +93,10 @@ Result<std::unique_ptr<Sink>> file_sink(const std::filesystem::path& path) {
 bool journal_answers() {
   const rt::Descriptor probe(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   sockaddr_un journal{AF_UNIX, "/run/systemd/journal/socket"};
-  return probe &&
-         connect(probe.get(), reinterpret_cast<const sockaddr*>(&journal), sizeof journal) == 0;
+  // Without a descriptor to ask with, the journal may be there all the same.
+  return !probe ||
+         connect(probe.get(), reinterpret_cast<const sockaddr*>(&journal), sizeof journal) == 0 ||
+         (errno != ENOENT && errno != ENOTDIR && errno != ECONNREFUSED);
 }
 
 bool stderr_is_journal() {

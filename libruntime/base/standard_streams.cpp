@@ -17,7 +17,7 @@ void occupy_standard_streams() {
     if (fcntl(stream, F_GETFD) >= 0 || errno != EBADF) continue;
     const int wrong_access = stream == STDIN_FILENO ? O_WRONLY : O_RDONLY;
     if (open("/dev/null", wrong_access) >= 0) continue;  // NOLINT: it stays open
-    if (socket(AF_UNIX, SOCK_DGRAM, 0) < 0) return;      // NOLINT: it stays open
+    if (socket(AF_UNIX, SOCK_STREAM, 0) < 0) return;     // NOLINT: it stays open
   }
 }
 

@@ -79,7 +79,7 @@ class Robot:
         while self.processes:
             process = self.processes.pop()
             if process.poll() is None:
-                process.send_signal(signal.SIGINT)
+                process.send_signal(signal.SIGTERM)
                 try:
                     process.wait(STOP_SECONDS)
                 except subprocess.TimeoutExpired:

@@ -49,7 +49,7 @@ def shorter(command):
     """The example, with a second to look on; a follower ends as by Ctrl-C."""
     command = re.sub(r"(--for|--wake|--timeout) \d+s\b", r"\1 1s", command)
     if "mauvectl top" in command:
-        return f"(sleep 2; printf q) | script -qec '{command}' /dev/null"  # it needs a terminal
+        return f"(sleep 2; printf q) | TERM=xterm script -qec '{command}' /dev/null"  # it needs a terminal
     if re.search(r"mauvectl (--json )?watch|logs -f", command):
         return f"{{ timeout --preserve-status --signal=INT 3 {command} </dev/null\n}} || test $? = 130"
     return command

@@ -100,7 +100,6 @@ void FaultReaction::pass_release() {
 
 void FaultReaction::fail(Cause cause) {
   report(cause);
-  if (rt::is_dying()) return task_.park(ComponentState::faulted);
   trigger_rollback();
   task_.failed.fail(cause, task_.clock.now());
   if (!may_recover()) return task_.park(ComponentState::faulted);

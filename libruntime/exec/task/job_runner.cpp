@@ -79,7 +79,7 @@ bool JobRunner::run(Instant now) {
   // The process ends, and safe values are written: no code of the core runs any more, and nothing
   // is accounted for.
   if (task_.watch.is_fenced()) {
-    task_.arm(task_.release + task_.current->grid.count());
+    pass_fenced();
     return true;
   }
   begin(now);
@@ -91,6 +91,13 @@ bool JobRunner::run(Instant now) {
   if (ours) conclude(now, end, fault);
   leave_job();
   return ours;
+}
+
+/// With a wait of its state machine, and not with the grid, which may be nanoseconds: less urgent
+/// drivers act on the safe values meanwhile.
+void JobRunner::pass_fenced() {
+  const Duration wait = std::max(task_.wait, task_.current->shortest_wait);
+  task_.arm(task_.release + wait.count());
 }
 
 bool JobRunner::run_watched(void (*code)(void*), JobEnd& end, Instant now, rt::Fault& fault) {
@@ -174,7 +181,7 @@ bool JobRunner::fail_for(Instant start, const JobEnd& end, const rt::Fault& faul
 
 void JobRunner::conclude(Instant start, const JobEnd& end, const rt::Fault& fault) {
   if (task_.watch.is_fenced()) {  // meanwhile: the job was left between two states
-    return task_.arm(task_.release + task_.current->grid.count());
+    return pass_fenced();
   }
   if (!fail_for(start, end, fault)) {
     task_.state = end.state;

@@ -48,6 +48,7 @@ class JobRunner {
   Job& enter_job(Instant start, Instant release);
   void leave_job();
   [[nodiscard]] bool fail_for(Instant start, const JobEnd& end, const rt::Fault& fault);
+  void pass_fenced();
   void conclude(Instant start, const JobEnd& end, const rt::Fault& fault);
   [[nodiscard]] FsmState* run_states(JobEnd& job);
   void account(Instant start, const JobEnd& job);

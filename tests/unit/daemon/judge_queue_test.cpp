@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <csignal>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -60,26 +59,6 @@ TEST(JudgeQueue, RefusesTheThirdFileOfAUserAtOnce) {
 
   EXPECT_TRUE(test::eventually([&] { return refused == 1; }));
   control.stop();
-}
-
-/// The kernel kills the process of a trial first when memory is short.
-TEST(Verdict, BlamesNoCodeForAKillFromOutside) {
-  rt::ChildEnd end;
-  end.how = rt::ChildEnd::How::signalled;
-  end.errors = "first.core constructor";
-
-  end.code = SIGKILL;
-  const auto killed = verdict_of(end, 1s);
-  ASSERT_FALSE(killed);
-  EXPECT_EQ(killed.error().id, "trial_killed");
-  EXPECT_FALSE(died(killed.error()));
-  EXPECT_THAT(killed.error().hint, testing::Not(testing::HasSubstr("correct the plugin")));
-
-  end.code = SIGSEGV;
-  const auto crashed = verdict_of(end, 1s);
-  ASSERT_FALSE(crashed);
-  EXPECT_EQ(crashed.error().id, "code_died_apart");
-  EXPECT_TRUE(died(crashed.error()));
 }
 
 }  // namespace

@@ -104,6 +104,17 @@ TEST_F(LogFile, SaysWhyItIsGoneAndComesBack) {
   EXPECT_THAT(lines_of(dir_ / "logs/log.jsonl"), ElementsAre("written"));
 }
 
+TEST_F(LogFile, GoesOnUnderItsNewNameWhereItCannotBeMadeAnew) {
+  std::filesystem::create_directory(dir_ / "logs");
+  RotatedFile file((dir_ / "logs/log.jsonl").string());
+  ASSERT_TRUE(file.open());
+  std::filesystem::rename(dir_ / "logs", dir_ / "moved");
+
+  ASSERT_TRUE(file.append("kept"));
+
+  EXPECT_THAT(lines_of(dir_ / "moved/log.jsonl"), ElementsAre("kept"));
+}
+
 TEST_F(LogFile, HasNoPartOfALineThatFoundNoRoom) {
   ASSERT_TRUE(file_.append("one"));
   for (rlim_t room = 4; room < 12; ++room) {
