@@ -24,7 +24,7 @@ FENCE = re.compile(r"^(?P<mark><!--[^\n]*-->\n)?(?P<indent> *)```(?P<info>[^\n]*
 MARK = re.compile(r"<!-- (?:(run)(?: after: [^\n]+)?|(run|compared) by (\S+)|not run: (\S.*\S)) -->\n")
 SHELLS = ("sh", "bash", "shell", "console")
 DATA = ("cpp", "c", "json", "xml", "yaml", "cmake", "diff", "ini", "python", "lua")
-# What the first word of a line of commands may be, in a block without a language.
+# A block without a language has commands if a line of it begins with one of these words.
 PROGRAM = re.compile(r"^(?:\$ |(?:sudo |\S*/)?(?:mauved|mauvectl|mauve-guardian|mauve-stamp|cmake|ctest|apt|apt-get|systemctl|"
                      r"journalctl|gdb|git|scripts/\w+)(?: |$))", re.M)
 PAST = ("CHANGELOG.md", "docs/decisions/")

@@ -183,7 +183,7 @@ void Log::write_to_sinks(const Record& record) {
   }
 }
 
-/// Counts what the sink does not take.
+/// A record that the sink refuses is counted.
 Status Log::write_to(Destination& sink, const Record& record) {
   auto written = sink.sink->write(record);
   if (written) {

@@ -26,7 +26,7 @@ BEFORE = {
 }
 # An exit code that is an answer: nothing is so (3), or what an example names is not there on this robot (4).
 ANSWERS = {"doctor": (0, 1), "quarantine": (4,), "rollback": (4,), "wait": (0, 3), "diff": (0, 1)}
-# The order matters where one changes what the next needs; the other commands come first, as the help lists them.
+# These commands change the robot, so they run in this order and after all others.
 LAST = ["set", "undo", "swap-core", "load", "unload", "reload", "apply", "lock", "stop", "start"]
 AFTER = {"lock": "mauvectl lock none", "swap-core": "mauvectl confirm", "reload": "mauvectl confirm"}
 
